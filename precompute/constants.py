@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Physical constants, conventions and defaults, each in one place.
+
+Everything is in SI units: metres and radians.
+"""
+
+#: Limits of the visible spectrum used for every colour integral (metres).
+WAVELENGTH_MIN_M = 380e-9
+WAVELENGTH_MAX_M = 780e-9
+
+#: Largest value of |w| = cos(theta_i) + cos(theta_r).
+W_MAX = 2.0
+
+#: Pixels above lambda_min / 4 put false orders into view (|u| reaches 2 and the
+#: transform is periodic in u with period lambda / dx).
+PIXEL_MAX_M = WAVELENGTH_MIN_M / 4.0
+
+#: Coherence length of sunlight; its window has the standard deviation of a quarter of it.
+COHERENCE_LENGTH_SUN_M = 65e-6
+
+#: Fraction of a patch that the Tukey taper of the ensemble average rolls off (both sides together).
+TAPER_FRACTION = 0.2
+
+#: Version of the spectral table's files (EXR atlas and JSON sidecar).
+TABLE_FORMAT_VERSION = 1
+
+#: Largest bake without an explicit limit (bytes of texels as a renderer loads them).
+TABLE_LIMIT_BYTES = 1024 * 1024 * 1024
