@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The spectral table: T(u, v, w) in XYZ, as an EXR atlas and a JSON sidecar."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .atomic import atomic_path
+from .constants import TABLE_FORMAT_VERSION
+from .errors import TableError
+from .exr import read_half_rgb, write_half_rgb
+from .layout import TableLayout
+
+
+@dataclass(eq=False)
+class SpectralTable:
+    """A baked table and all that is known of its origin.
+
+    Parameters
+    ----------
+    layout
+        Coordinates and atlas geometry.
+    atlas
+        ``(height, width, 3)`` float16, XYZ texels, row 0 at the *bottom*.
+    info
+        The sidecar's other entries: ``parameters``, ``source``, ``colour``, ``terms``, ``albedo_max``.
+    """
+
+    layout: TableLayout
+    atlas: np.ndarray
+    info: dict[str, Any] = field(default_factory=dict)
+
+    def transform(self, u: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray:
+        """Look T(u, v, w) up as the shaders do: two bilinear lookups and a linear blend.
+
+        Parameters
+        ----------
+        u, v, w
+            Arrays that broadcast against each other; ``(u, v, w) = -(wi + wr)``.
+
+        Returns
+        -------
+        ndarray
+            ``(..., 3)`` float64 XYZ in 1/sr.
+        """
+        u, v, w = np.broadcast_arrays(*(np.asarray(x, np.float64) for x in (u, v, w)))
+        layout = self.layout
+        column = layout.column(np.hypot(u, v))
+        row = layout.row(np.arctan2(v, u))
+        position = layout.slice_coordinate(w)
+        lower = np.minimum(position.astype(int), layout.n_w - 2)
+        blend = (position - lower)[..., None]
+        value = (1.0 - blend) * self._slice(lower, column, row) + blend * self._slice(lower + 1, column, row)
+        return value * (layout.scale * np.abs(w) ** layout.power)[..., None]
+
+    def _slice(self, index: np.ndarray, column: np.ndarray, row: np.ndarray) -> np.ndarray:
+        x = (index % self.layout.tile_columns) * self.layout.n_r + column
+        y = (index // self.layout.tile_columns) * self.layout.tile_height + 1.0 + row
+        return self._bilinear(x, y)
+
+    def _bilinear(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Atlas values at texel-centre coordinates (x, y)."""
+        left = np.clip(x.astype(int), 0, self.layout.width - 2)
+        below = np.clip(y.astype(int), 0, self.layout.height - 2)
+        fx, fy = (x - left)[..., None], (y - below)[..., None]
+        texel = self.atlas
+        low = texel[below, left] * (1.0 - fx) + texel[below, left + 1] * fx
+        high = texel[below + 1, left] * (1.0 - fx) + texel[below + 1, left + 1] * fx
+        return low * (1.0 - fy) + high * fy
+
+    def albedo(self, directions: np.ndarray) -> np.ndarray:
+        """Directional albedo a(theta, phi) with R = 1: the largest of X, Y, Z relative to white.
+
+        Parameters
+        ----------
+        directions
+            ``(..., 3)`` unit vectors in the local frame.
+        """
+        directions = np.asarray(directions, np.float64)
+        layout = self.layout
+        theta = np.arccos(np.clip(directions[..., 2], 0.0, 1.0))
+        phi = np.arctan2(directions[..., 1], directions[..., 0])
+        column = theta * ((layout.n_theta - 1) / (0.5 * np.pi))
+        row = np.mod(phi * (layout.n_albedo_phi / (2.0 * np.pi)), layout.n_albedo_phi)
+        return self._bilinear(column, layout.albedo_y + 1.0 + row)[..., 0]
+
+    @property
+    def albedo_max(self) -> float:
+        """Largest directional albedo of the raw model."""
+        return float(self.info["albedo_max"])
+
+    def save(self, path: str | Path) -> Path:
+        """Write ``path`` (``.exr``) and its ``.json`` sidecar, each atomically.
+
+        The sidecar is written last and names the atlas by its hash, so a table that was
+        interrupted between the two is recognised as such.
+
+        Returns
+        -------
+        Path
+            The EXR's path.
+
+        Raises
+        ------
+        OutputError
+            If the folder cannot be written.
+        """
+        path = Path(path).with_suffix(".exr")
+        with atomic_path(path) as temporary:
+            write_half_rgb(temporary, self.atlas)
+            digest = _sha256(temporary)
+        sidecar = {
+            "format_version": TABLE_FORMAT_VERSION,
+            "layout": self.layout.to_dict(),
+            "atlas": {"file": path.name, "sha256": digest},
+            **self.info,
+        }
+        text = json.dumps(sidecar, indent=1, sort_keys=True, allow_nan=False)
+        with atomic_path(path.with_suffix(".json")) as temporary:
+            Path(temporary).write_text(text + "\n", encoding="utf-8")
+        return path
+
+    @classmethod
+    def load(cls, path: str | Path, verify: bool = True) -> SpectralTable:
+        """Read a table by the path of its ``.exr`` or ``.json``.
+
+        Raises
+        ------
+        TableError
+            If a file is missing, damaged, of another version, or the two do not belong together.
+        """
+        path = Path(path).with_suffix(".exr")
+        sidecar = read_sidecar(path)
+        layout = TableLayout.from_dict(sidecar["layout"])
+        if not path.is_file():
+            raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
+        if verify and _sha256(path) != sidecar["atlas"].get("sha256"):
+            raise TableError(f"{path.name} and its sidecar do not belong together; bake the scan again.")
+        atlas = read_half_rgb(path)
+        if atlas.shape != (layout.height, layout.width, 3):
+            raise TableError(f"{path.name} has not the size that its sidecar names; bake the scan again.")
+        return cls(layout, atlas, {k: v for k, v in sidecar.items() if k not in ("format_version", "layout", "atlas")})
+
+
+def read_sidecar(path: str | Path) -> dict[str, Any]:
+    """The JSON sidecar of a table (path of either file), its version checked.
+
+    Raises
+    ------
+    TableError
+        If it is missing, not JSON, or of another format version.
+    """
+    path = Path(path).with_suffix(".json")
+    try:
+        sidecar = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError as error:
+        raise TableError(f"The table's sidecar {path} does not exist; bake the scan again.") from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise TableError(f"The table's sidecar {path} cannot be read; bake the scan again.") from error
+    version = sidecar.get("format_version") if isinstance(sidecar, dict) else None
+    if version != TABLE_FORMAT_VERSION:
+        raise TableError(
+            f"{path.name} is a table of format version {version}, this release reads version {TABLE_FORMAT_VERSION};"
+            " bake the scan again."
+        )
+    if not isinstance(sidecar.get("layout"), dict) or not isinstance(sidecar.get("atlas"), dict):
+        raise TableError(f"The table's sidecar {path.name} lacks its layout; bake the scan again.")
+    return sidecar
+
+
+def _sha256(path: str | Path) -> str:
+    with open(path, "rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
