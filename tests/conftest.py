@@ -49,8 +49,9 @@ def bpy_module():
 
     Only tests do this; an extension must never edit `sys.path`.
     """
-    bpy = pytest.importorskip("bpy", reason="Blender as a module is not installed: run `make setup`")
-    version = "python%d.%d" % sys.version_info[:2]
+    import bpy
+
+    version = f"python{sys.version_info.major}.{sys.version_info.minor}"
     packages = os.path.join(bpy.utils.resource_path("LOCAL"), "python", "lib", version, "site-packages")
     if packages not in sys.path:
         sys.path.append(packages)
