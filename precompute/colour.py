@@ -13,9 +13,7 @@ import numpy as np
 
 from .constants import WAVELENGTH_MAX_M, WAVELENGTH_MIN_M
 from .errors import ParameterError
-
-#: Illuminants on offer, by their name in colour-science.
-ILLUMINANTS = ("D65", "D50", "A", "E", "FL11")
+from .parameters import ILLUMINANTS
 
 #: Working spaces by the names that ``bpy.data.colorspace.working_space`` gives, and their names in colour-science.
 SPACES = {"Linear Rec.709": "ITU-R BT.709", "Linear Rec.2020": "ITU-R BT.2020", "ACEScg": "ACEScg"}

@@ -30,7 +30,8 @@ def test_white_has_the_published_chromaticity(name):
 def test_flat_spectrum_has_unit_luminance_at_every_step():
     for step in (5e-9, 4e-9, 2.5e-9, 2e-9, 1e-9, 0.5e-9):
         lam, weights = c.spectral_weights(step_m=step)
-        assert lam[0] == 380e-9 and lam[-1] == pytest.approx(780e-9, abs=1e-18)
+        assert lam[0] == 380e-9
+        assert lam[-1] == pytest.approx(780e-9, abs=1e-18)
         assert np.diff(lam).max() == pytest.approx(step, rel=1e-9)
         assert weights[:, 1].sum() == pytest.approx(1.0, abs=1e-14)
 
@@ -69,7 +70,8 @@ def test_gamut_step_keeps_luminance_and_hue():
     assert moved.min() >= 0
     assert np.allclose(moved @ row, rgb @ row)
     inside = rgb.min(axis=1) >= 0
-    assert inside.any() and (~inside).any()
+    assert inside.any()
+    assert (~inside).any()
     assert np.array_equal(moved[inside], rgb[inside])
     grey = (rgb @ row)[:, None]
     # Same line through grey: the cross product of the two differences vanishes, and the direction is kept.
