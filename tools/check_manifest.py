@@ -74,7 +74,7 @@ def wheel_problems(manifest, pins, lock):
             yield f"{wheel} must not be bundled: Blender brings its own numpy."
         if not re.search(rf"-({own}-{own}|{own}-abi3|py3-none|py2\.py3-none)-", wheel):
             yield f"{wheel} is not for Python {PYTHON}."
-    for platform in manifest.get("platforms", []):
+    for platform in PLATFORMS:
         for pin in pins:
             name, version = pin.split("==")
             start = f"{name.replace('-', '_')}-{version}-"
