@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scans of any supported format as heightfields.
+
+``read_scan`` finds the format by the first bytes and the extension; each format has a module of
+its own that returns channels (``channel.Channel``), and its library is imported when a file of
+that format is opened.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import struct
+import warnings
+import zlib
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import DiffractionError, ScanError
+from ..heightfield import HeightField
+from .channel import Channel, Samples, choose_channel
+from .formats import Format, find_format
+from .limits import LIMIT_FILE_BYTES
+from .units import metres_per
+
+__all__ = ["channel_names", "read_scan"]
+
+
+def read_scan(
+    path: str | os.PathLike[str],
+    size_m: tuple[float, float] | None = None,
+    height_m: float | None = None,
+    channel: str | None = None,
+) -> HeightField:
+    """Read the heights of a scan file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    size_m
+        Side lengths along x and y in metres; needed where the file carries none (images),
+        otherwise it takes the place of the file's own size.
+    height_m
+        Height range in metres: for images the height of the full scale (255, 65535 or 1.0),
+        for other files the distance from the lowest to the highest value. Needed where the
+        heights carry no unit.
+    channel
+        Name or number of the channel; None chooses the height channel by unit and name.
+
+    Returns
+    -------
+    HeightField
+        Heights in metres, row 0 at the bottom; missing points marked and NaN. ``metadata``
+        holds ``name``, ``sha256``, ``format``, ``channel``, ``unit``, ``channels`` and what else
+        the file tells; ``processing`` the user's scaling, if any.
+
+    Raises
+    ------
+    ScanError
+        If the file is missing, empty, damaged, of an unknown format, or has no heights or size.
+    SizeLimitError
+        If it is larger than a reader may load.
+    """
+    path = Path(path)
+    _check_user_scale(size_m, height_m)
+    before = _check_file(path)
+    with _Sentences(path):
+        digest = _sha256(path)
+        form = find_format(path)
+        if form.plain and (size_m is None or height_m is None):
+            raise ScanError(
+                "A plain image carries no units; give its size and height range, e.g. --size-um 65 65 --height-nm 800."
+            )
+        channels = form.read(path)
+        chosen = choose_channel(channels, channel, height_m is not None)
+        samples = chosen.load()
+        field = _heightfield(path, form, channels, chosen, samples, size_m, height_m)
+        after = path.stat()
+        if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
+            raise ScanError("The file changed while it was read; open it again.")
+    field.metadata["sha256"] = digest
+    return field
+
+
+def channel_names(path: str | os.PathLike[str]) -> list[str]:
+    """Names and units of all channels of a file, as a menu shows them.
+
+    Raises
+    ------
+    ScanError
+        As :func:`read_scan`.
+    """
+    path = Path(path)
+    _check_file(path)
+    with _Sentences(path):
+        return [channel.label for channel in find_format(path).read(path)]
+
+
+def _check_user_scale(size_m: tuple[float, float] | None, height_m: float | None) -> None:
+    if size_m is not None:
+        if len(tuple(size_m)) != 2 or not all(np.isfinite(size) and size > 0 for size in size_m):
+            raise ScanError(f"The size {tuple(size_m)} m makes no sense; give two positive side lengths.")
+    if height_m is not None and not (np.isfinite(height_m) and height_m > 0):
+        raise ScanError(f"The height range {height_m} m makes no sense; give a positive height.")
+
+
+def _check_file(path: Path) -> os.stat_result:
+    try:
+        if path.is_dir():
+            raise ScanError(f"'{path}' is a folder; choose a scan file in it.")
+        if not path.exists():
+            raise ScanError(f"There is no file '{path}'; check its name and folder.")
+        if not path.is_file():
+            raise ScanError(f"'{path}' is no ordinary file; choose a scan file.")
+        status = path.stat()
+        with open(path, "rb"):
+            pass
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise ScanError(f"Cannot open '{path}' ({reason}); check its name and permissions.") from error
+    if status.st_size == 0:
+        raise ScanError(f"'{path.name}' is empty; copy or export it again.")
+    if status.st_size > LIMIT_FILE_BYTES:
+        raise ScanError(
+            f"'{path.name}' has {status.st_size >> 20} MB, above the limit of {LIMIT_FILE_BYTES >> 20} MB; "
+            "export the height channel alone."
+        )
+    return status
+
+
+def _sha256(path: Path) -> str:
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _heightfield(
+    path: Path,
+    form: Format,
+    channels: list[Channel],
+    chosen: Channel,
+    samples: Samples,
+    size_m: tuple[float, float] | None,
+    height_m: float | None,
+) -> HeightField:
+    values = np.array(samples.values, dtype=np.float64)
+    if values.ndim != 2 or min(values.shape) < 2:
+        raise ScanError(f"The scan has the shape {values.shape}; a heightfield needs at least 2 x 2 pixels.")
+    missing = np.zeros(values.shape, bool) if samples.missing is None else np.array(samples.missing, bool)
+    if missing.all():
+        raise ScanError("The scan holds no valid height at all; choose another channel or file.")
+    if not np.isfinite(values[~missing]).all():
+        raise ScanError("The scan holds infinite or undefined heights; export it again with them marked as missing.")
+
+    steps = []
+    if size_m is not None:
+        if samples.size_m is not None:
+            steps.append({"step": "set size", "size_m": [float(s) for s in size_m], "before_m": list(samples.size_m)})
+    elif samples.size_m is not None:
+        size_m = samples.size_m
+        if not all(np.isfinite(size) and size > 0 for size in size_m):
+            raise ScanError(f"The file gives the size {size_m[0]:g} m x {size_m[1]:g} m; give it with --size-um X Y.")
+    else:
+        raise ScanError("The file carries no size; give its side lengths, e.g. --size-um 65 65.")
+
+    values *= _metres_per_value(chosen, samples, values, missing, height_m, steps)
+    values[missing] = np.nan
+    metadata = {
+        **samples.metadata,
+        "name": path.name,
+        "format": form.name,
+        "channel": chosen.name,
+        "unit": chosen.unit,
+        "channels": [channel.label for channel in channels],
+    }
+    earlier = metadata.pop("stored_processing", [])
+    if isinstance(earlier, list):
+        steps = [step for step in earlier if isinstance(step, dict)] + steps
+    return HeightField(
+        values,
+        float(size_m[0]) / values.shape[1],
+        float(size_m[1]) / values.shape[0],
+        missing,
+        metadata,
+        tuple(steps),
+    )
+
+
+def _metres_per_value(
+    chosen: Channel,
+    samples: Samples,
+    values: np.ndarray,
+    missing: np.ndarray,
+    height_m: float | None,
+    steps: list[dict],
+) -> float:
+    if height_m is None:
+        factor = metres_per(chosen.unit)
+        if factor is not None:
+            return factor
+        if chosen.unit:
+            raise ScanError(f"Channel {chosen.name} is in {chosen.unit}, not a height; choose a height channel.")
+        raise ScanError(f"The heights of {chosen.name} carry no unit; give the height range, e.g. --height-nm 800.")
+    if samples.full_scale is not None:
+        steps.append({"step": "set height", "height_m": float(height_m), "full_scale": samples.full_scale})
+        return height_m / samples.full_scale
+    valid = values[~missing]
+    low, high = float(valid.min()), float(valid.max())
+    if not high > low:
+        return 1.0 if low == 0 else 0.0
+    steps.append({"step": "set height", "height_m": float(height_m), "range_before": [low, high]})
+    return height_m / (high - low)
+
+
+class _Sentences:
+    """Turns whatever a library raises on a damaged file into one sentence, and keeps its warnings quiet."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._warnings = warnings.catch_warnings()
+
+    def __enter__(self) -> None:
+        self._warnings.__enter__()
+        warnings.simplefilter("ignore")
+
+    def __exit__(self, kind: type | None, error: BaseException | None, trace: object) -> None:
+        self._warnings.__exit__(kind, error, trace)
+        if error is None or not isinstance(error, Exception):
+            return
+        if isinstance(error, DiffractionError):
+            # The reader does not know the name; the user with ten files wants it.
+            raise type(error)(f"{self._path.name}: {error}") from error
+        if isinstance(error, ImportError):
+            missing = error.name or "a library"
+            raise ScanError(
+                f"{self._path.name}: this format needs the Python package '{missing}', which is not installed."
+            ) from error
+        if isinstance(error, OSError) and error.errno is not None:
+            raise ScanError(f"{self._path.name}: cannot be read ({error.strerror}).") from error
+        raise ScanError(
+            f"{self._path.name}: the file is damaged or of an unknown variant ({_clause(error)}); export it again."
+        ) from error
+
+
+def _clause(error: Exception) -> str:
+    """A short clause that names what a library complained about."""
+    text = " ".join(str(error).split())
+    if not text or isinstance(error, (struct.error, zlib.error, IndexError, KeyError)):
+        text = f"{type(error).__name__} {text}".strip()
+    return text[:100].rstrip(" .;,")

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How large a scan may be: checked against what a file *declares*, before anything is allocated."""
+
+from __future__ import annotations
+
+from ..errors import ScanError, SizeLimitError
+
+#: Most pixels of one channel (5792 x 5792); a reader then stays below 1 GB.
+LIMIT_PIXELS = 32 * 1024 * 1024
+
+#: Largest file that is opened at all.
+LIMIT_FILE_BYTES = 768 * 1024 * 1024
+
+
+def check_shape(rows: int, cols: int) -> None:
+    """Refuse a declared shape that is no scan or that is too large.
+
+    Raises
+    ------
+    ScanError
+        If a count is below 2.
+    SizeLimitError
+        If there are more than ``LIMIT_PIXELS`` pixels.
+    """
+    if rows < 2 or cols < 2:
+        raise ScanError(f"The scan has {rows} x {cols} pixels; a heightfield needs at least 2 x 2.")
+    if rows * cols > LIMIT_PIXELS:
+        raise SizeLimitError(
+            f"The file declares {rows} x {cols} pixels, above the limit of {LIMIT_PIXELS}; crop the scan first."
+        )
