@@ -19,9 +19,7 @@ from .preset import Parameter, Preset
 
 __all__ = ["PRESETS", "Parameter", "Preset", "make_preset"]
 
-PRESETS: dict[str, Preset] = {
-    preset.name: preset for module in (snake, gratings) for preset in module.PRESETS
-}
+PRESETS: dict[str, Preset] = {preset.name: preset for module in (snake, gratings) for preset in module.PRESETS}
 
 #: Most pixels a side.
 LIMIT_PIXELS = 8192

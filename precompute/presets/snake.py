@@ -32,7 +32,7 @@ def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapp
         return smooth_field(rng, x, y, size, length_x_um * UM, length_y_um * UM)
 
     # Row coordinate: whole numbers are the roots of a row, the fraction runs from root to tip.
-    wander = disorder * (0.60 * UM * field(3.2, 5.0) + 0.16 * UM * field(1.3, 1.3))
+    wander = disorder * (0.62 * UM * field(2.4, 8.0) + 0.08 * UM * field(1.0, 2.0))
     q = (y[:, None] + wander) / row_period + 1.0
     row = np.floor(q).astype(np.int64)
     row -= row.min()
@@ -53,7 +53,7 @@ def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapp
     columns = int(column.max()) + 1
     fingers = row * columns + column
     tips = np.clip(0.84 + 0.055 * disorder * rng.standard_normal(rows * columns), 0.6, 0.97)[fingers]
-    heights = np.clip(1.0 + 0.22 * disorder * rng.standard_normal(rows * columns), 0.3, 1.7)[fingers]
+    heights = np.clip(1.0 + 0.13 * disorder * rng.standard_normal(rows * columns), 0.3, 1.7)[fingers]
     widths = np.clip(0.43 + 0.02 * disorder * rng.standard_normal(rows * columns), 0.33, 0.48)[fingers]
 
     # Round tip: the outline closes over the last part of the finger as a half ellipse.
@@ -61,13 +61,15 @@ def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapp
     outline = widths * np.sqrt(np.clip(1.0 - (1.0 - np.clip(to_tip, 0.0, 1.0)) ** 2, 0.0, 1.0))
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(outline > 0.0, np.abs(across) / np.maximum(outline, 1e-9), 2.0)
-    body = np.where(relative < 1.0, 1.0 - 0.45 * relative**2, 0.0)
-    ramp = heights * (0.08 + 0.92 * np.clip(along / tips, 0.0, 1.0))
-    grooves = np.clip((np.abs(across) - widths) / (0.5 - widths), 0.0, 1.0) * np.sin(np.pi * np.clip(along / tips, 0, 1))
+    body = np.where(relative < 1.0, 1.0 - 0.50 * relative**2, 0.0)
+    share = np.clip(along / tips, 0.0, 1.0)
+    ramp = heights * (1.0 + 0.15 * disorder * field(1.0, 1.0)) * (0.12 + 0.88 * share)
+    # Wedges between the roots: deepest in the lower half, closing towards root and tip.
+    grooves = np.clip((np.abs(across) - 0.32) / 0.16, 0.0, 1.0) * np.sin(np.pi * share**0.8) * (share < 1.0)
 
-    result = height * (body * ramp - 0.38 * grooves)
-    result += 0.20 * height * disorder * field(2.0, 0.8)
-    result = _blurred(result, x, y, 45.0 * NM)
+    result = height * (body * ramp - 0.42 * grooves)
+    result += 0.05 * height * disorder * field(0.3, 0.3)
+    result = _blurred(result, x, y, 28.0 * NM)
     result += values["waviness_nm"] * NM * field(5.0, 5.0)
     return result - result.mean()
 
@@ -92,9 +94,9 @@ PRESETS = (
         _snake,
         (
             Parameter("row_period_um", 1.5, "um", 0.5, 10.0, "Distance from row to row along y"),
-            Parameter("finger_um", 0.545, "um", 0.1, 5.0, "Distance from finger to finger along x"),
-            Parameter("height_nm", 100.0, "nm", 0.0, 1000.0, "Height of the fingers' tips above the membrane"),
-            Parameter("waviness_nm", 28.0, "nm", 0.0, 500.0, "Standard deviation of the skin's long waves"),
+            Parameter("finger_um", 0.56, "um", 0.1, 5.0, "Distance from finger to finger along x"),
+            Parameter("height_nm", 127.0, "nm", 0.0, 1000.0, "Height of the fingers' tips above the membrane"),
+            Parameter("waviness_nm", 31.0, "nm", 0.0, 500.0, "Standard deviation of the skin's long waves"),
             Parameter("disorder_percent", 100.0, "percent", 0.0, 300.0, "Disorder relative to the measured skin"),
             Parameter("seed", 1, "", 0, 1000000, "Another number gives another piece of skin"),
         ),
