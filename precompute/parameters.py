@@ -73,7 +73,9 @@ class BakeParameters:
         if not (math.isfinite(self.tolerance) and 0.0 < self.tolerance < 1.0):
             raise ParameterError(f"The tolerance is {self.tolerance}; it must lie between 0 and 1.")
         if self.clip_percent is not None and not 0.0 < self.clip_percent <= 100.0:
-            raise ParameterError(f"Clip keeps {self.clip_percent} percent of the heights; give more than 0, at most 100.")
+            raise ParameterError(
+                f"Clip keeps {self.clip_percent} percent of the heights; give more than 0, at most 100."
+            )
         if not (math.isfinite(self.detail) and 0.1 <= self.detail <= 8.0):
             raise ParameterError(f"The detail is {self.detail}; it must lie between 0.1 and 8.")
         if self.limit_bytes <= 0:

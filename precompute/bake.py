@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake: from a patch of surface to its spectral table."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from .albedo import albedo_map
+from .colour import spectral_weights, white_xyz
+from .errors import ScanError, SizeLimitError
+from .heightfield import HeightField
+from .intensity import PolarIntensity
+from .layout import TableLayout
+from .parameters import BakeParameters
+from .plan import plan_layout
+from .prepare import prepare
+from .readers import read_scan
+from .series import bessel_order, chebyshev_nodes
+from .spectral_sum import balance, spectral_slices
+from .table import SpectralTable
+from .window import default_sigma_s
+
+#: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
+Progress = Callable[[str, float], None]
+
+#: Texels are scaled to this largest value, well inside half floats (65504).
+_LARGEST_TEXEL = 30000.0
+
+
+@dataclass
+class BakeReport:
+    """What a bake made and what it cost.
+
+    Parameters
+    ----------
+    path
+        The table's EXR.
+    table
+        The table itself.
+    seconds
+        Wall time a stage, and ``total``.
+    """
+
+    path: Path
+    table: SpectralTable
+    seconds: dict[str, float] = field(default_factory=dict)
+
+
+class _Stages:
+    """Times the stages of a bake and reports progress."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self.seconds: dict[str, float] = {}
+        self._progress = progress
+        self._start = self._last = time.perf_counter()
+
+    def done(self, name: str) -> None:
+        now = time.perf_counter()
+        self.seconds[name] = self.seconds.get(name, 0.0) + now - self._last
+        self._last = now
+        self.seconds["total"] = now - self._start
+
+    def report(self, stage: str, fraction: float) -> None:
+        if self._progress is not None:
+            self._progress(stage, fraction)
+
+
+def resolve_sigma_s(patch: HeightField, parameters: BakeParameters) -> float:
+    """The coherence window in force (metres): the given one, else the ensemble's default."""
+    return parameters.sigma_s_m if parameters.sigma_s_m is not None else default_sigma_s(patch, parameters.ensemble)
+
+
+def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
+    """The layout (and so the size) that a bake of a prepared patch will have, checked against the limit.
+
+    Raises
+    ------
+    SizeLimitError
+        If the table would be larger than ``parameters.limit_bytes``.
+    """
+    half_range = 0.5 * float(np.ptp(patch.heights))
+    layout = plan_layout(resolve_sigma_s(patch, parameters), parameters.ensemble, half_range, parameters.detail)
+    if layout.texel_bytes > parameters.limit_bytes:
+        raise SizeLimitError(
+            f"The table would need {layout.texel_bytes / 1e6:.0f} MB of texels ({layout.n_r} radii x {layout.n_phi}"
+            f" angles x {layout.n_w} slices), more than the limit of {parameters.limit_bytes / 1e6:.0f} MB; choose a"
+            " smaller sigma_s, the ensemble 'average' or a lower detail, or raise the limit."
+        )
+    return layout
+
+
+def bake(scan: HeightField, parameters: BakeParameters, progress: Progress | None = None) -> SpectralTable:
+    """Bake the spectral table of a scan.
+
+    Parameters
+    ----------
+    scan
+        As read; it is prepared here as ``parameters`` ask.
+    parameters
+        What decides the table.
+    progress
+        Called with a stage's name and a fraction; an exception it raises (``Cancelled``) ends the bake.
+
+    Raises
+    ------
+    SizeLimitError, ParameterError, ScanError
+        Before any long computation.
+    """
+    return _bake(scan, parameters, _Stages(progress))
+
+
+def bake_file(
+    path: str | Path,
+    out_dir: str | Path,
+    parameters: BakeParameters,
+    progress: Progress | None = None,
+    name: str | None = None,
+    **reading: object,
+) -> BakeReport:
+    """Read a scan, bake it and write ``<out_dir>/<name>.exr`` and ``.json``.
+
+    Parameters
+    ----------
+    path
+        The scan.
+    out_dir
+        Folder of the table; made if missing.
+    parameters, progress
+        See :func:`bake`.
+    name
+        Name of the table; the scan's by default.
+    **reading
+        Passed to :func:`precompute.readers.read_scan` (``size_m``, ``height_m``, ``channel``).
+
+    Returns
+    -------
+    BakeReport
+        Path, table and seconds a stage.
+    """
+    from .output_folder import ensure_folder
+
+    stages = _Stages(progress)
+    stages.report("read", 0.0)
+    scan = read_scan(path, **reading)
+    folder = ensure_folder(out_dir)
+    stages.done("read")
+    table = _bake(scan, parameters, stages)
+    stages.report("write", 0.97)
+    written = table.save(folder / f"{name or Path(path).stem}.exr")
+    if parameters.series != "nodes":
+        from .terms import save_terms
+
+        save_terms(prepare(scan, parameters), parameters, written)
+    stages.done("write")
+    stages.report("done", 1.0)
+    return BakeReport(written, table, stages.seconds)
+
+
+def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> SpectralTable:
+    stages.report("prepare", 0.01)
+    patch = prepare(scan, parameters)
+    sigma_s = resolve_sigma_s(patch, parameters)
+    layout = estimate(patch, parameters)
+    stages.done("prepare")
+
+    stages.report("colour", 0.05)
+    wavelengths, weights = spectral_weights(illuminant=parameters.illuminant)
+    white = white_xyz(parameters.illuminant)
+    stages.done("colour")
+
+    polar = PolarIntensity(patch, sigma_s, parameters.ensemble, layout.angles, parameters.series, parameters.tolerance)
+    kappa_max = polar.series.kappa_max
+    count = bessel_order(kappa_max * polar.series.half_range, parameters.tolerance) + 1
+    nodes = chebyshev_nodes(kappa_max, max(count, 4))
+    intensity = np.empty((len(polar.frequencies), len(nodes), layout.n_phi), np.float32)
+    stages.done("plan")
+    for index, spectrum in enumerate(polar.series.amplitudes(nodes)):
+        stages.report("transforms", 0.1 + 0.5 * index / len(nodes))
+        smoothed = polar.smoothed(spectrum)
+        stages.done("transforms")
+        intensity[:, index] = polar.polar(smoothed)
+        stages.done("polar grid")
+
+    transform = spectral_slices(
+        intensity,
+        polar.frequencies[1],
+        nodes,
+        kappa_max,
+        layout.radii,
+        layout.slices,
+        wavelengths,
+        weights,
+        lambda fraction: stages.report("spectral sum", 0.6 + 0.25 * fraction),
+    )
+    del intensity
+    stages.done("spectral sum")
+    stages.report("albedo", 0.87)
+    albedo = albedo_map(transform, layout, white)
+    stages.done("albedo")
+    stages.report("atlas", 0.92)
+    layout, atlas = assemble(transform, layout, albedo)
+    stages.done("atlas")
+    info = {
+        "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
+        "source": {
+            "name": scan.metadata.get("name"),
+            "format": scan.metadata.get("format"),
+            "channel": scan.metadata.get("channel"),
+            "sha256": scan.metadata.get("sha256"),
+            "shape": list(patch.shape),
+            "size_m": list(patch.size_m),
+            "processing": [dict(step) for step in patch.processing],
+        },
+        "colour": {
+            "illuminant": parameters.illuminant,
+            "observer": "CIE 1931 2 degree",
+            "white_xyz": [float(x) for x in white],
+            "wavelengths_m": [float(wavelengths[0]), float(wavelengths[-1])],
+            "wavelength_step_m": float(wavelengths[1] - wavelengths[0]),
+        },
+        "terms": polar.series.terms or len(nodes),
+        "albedo_max": float(albedo.max()),
+    }
+    return SpectralTable(layout, atlas, info)
+
+
+def assemble(transform: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tuple[TableLayout, np.ndarray]:
+    """Put T into the atlas as half floats, balanced for linear interpolation.
+
+    Parameters
+    ----------
+    transform
+        ``(n_r, n_w, 3, n_phi)`` XYZ, 1/sr; overwritten.
+    layout
+        Its scale is set here.
+    albedo
+        ``(n_albedo_phi, n_theta)``.
+
+    Returns
+    -------
+    layout : TableLayout
+        With the scale in force.
+    atlas : ndarray
+        ``(height, width, 3)`` float16, row 0 at the bottom.
+    """
+    from dataclasses import replace
+
+    transform *= (layout.slices**-layout.power).astype(np.float32)[:, None, None]
+    for axis, periodic in ((3, True), (0, False), (1, False)):
+        transform = balance(transform, axis, periodic)
+    peak = float(transform.max())
+    if not np.isfinite(peak) or peak <= 0.0:
+        raise ScanError("The patch diffracts no light into the visible range; check the scan's size and heights.")
+    layout = replace(layout, scale=peak / _LARGEST_TEXEL)
+    transform *= np.float32(1.0 / layout.scale)
+    atlas = np.zeros((layout.height, layout.width, 3), np.float16)
+    for index in range(layout.n_w):
+        x, y = layout.tile_origin(index)
+        tile = atlas[y : y + layout.tile_height, x : x + layout.n_r]
+        tile[1:-1] = transform[:, index].transpose(2, 0, 1)
+        tile[0], tile[-1] = tile[-2], tile[1]
+    tile = atlas[layout.albedo_y :, : layout.n_theta]
+    tile[1:-1] = albedo[:, :, None]
+    tile[0], tile[-1] = tile[-2], tile[1]
+    return layout, atlas

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smoothed intensity S(f; kappa) = lambda^2 T on a polar grid of spatial frequencies.
+
+Both ensembles are one formula: with the autocorrelation ``R(D)`` of ``p`` times a window,
+
+    lambda^2 T = 1 / norm * integral R(D) m(D) exp(2 pi i f.D) dD,   f = (u, v) / lambda
+
+* ``average``: the window is the Tukey taper t, ``m = exp(-|D|^2 / (4 sigma_s^2))``, norm = integral t^2;
+* ``single``: the window is the Gaussian g in the middle of the patch, ``m = 1``, norm = integral g^2
+  (then the integral is |P|^2).
+
+Three things keep it cheap. Frequencies above 2 / lambda_min are never seen, so the spectrum
+is cropped to that band before anything else. ``m`` (or the window itself) ends the lags after
+a few sigma_s, so the last transform is small. And the cubic B-spline that reads the polar grid
+off the Cartesian one has its prefilter in the lag domain, where it is one multiplication.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from .constants import W_MAX, WAVELENGTH_MIN_M
+from .heightfield import HeightField
+from .series import Series
+from .window import gaussian_window, taper
+
+#: Lags beyond this many sigma_s are cut: exp(-6.5^2 / 4) = 2.6e-5.
+LAG_CUT = 6.5
+
+#: Side of the lag square that the last transform sees, in cut lags: room for the B-spline.
+LAG_ROOM = 1.2
+
+#: Frequencies kept beyond the visible band, in widths of the coherence lobe.
+BAND_MARGIN = 6.0
+
+#: Radial step of the polar grid in widths s_f of the coherence lobe (cubic interpolation in between).
+RADIAL_STEP = 0.4
+
+
+def lobe_width(sigma_s_m: float) -> float:
+    """Standard deviation s_f = 1 / (2 pi sqrt(2) sigma_s) of the intensity's lobe in spatial frequency (1/m)."""
+    return 1.0 / (2.0 * np.pi * np.sqrt(2.0) * sigma_s_m)
+
+
+def workers() -> int:
+    """Threads for transforms: all processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@dataclass(frozen=True)
+class _Axis:
+    """One axis of the transforms: from pixels to cropped frequencies, lags and fine frequencies."""
+
+    pixels: int
+    step: float  # pixel size, m
+    padded: int  # length of the first transform
+    band: int  # frequencies kept (even)
+    cut: int  # lags kept on either side
+    fine: int  # length of the last transform
+
+    @classmethod
+    def plan(cls, pixels: int, step: float, sigma_s_m: float) -> _Axis:
+        from scipy.fft import next_fast_len
+
+        length = pixels * step
+        lag_cut = min(length, LAG_CUT * sigma_s_m)
+        padded = next_fast_len(int(np.ceil((length + lag_cut) / step)) + 1)
+        top = W_MAX / WAVELENGTH_MIN_M + BAND_MARGIN * lobe_width(sigma_s_m)
+        band = next_fast_len(2 * int(np.ceil(top * padded * step)) + 2, real=True)
+        band += band % 2
+        lag_step = padded * step / band
+        cut = min(int(np.ceil(lag_cut / lag_step)), band // 2 - 1)
+        fine = next_fast_len(int(np.ceil(2.0 * LAG_ROOM * cut)) + 8, real=True)
+        fine += fine % 2
+        return cls(pixels, step, padded, band, cut, fine)
+
+    @property
+    def lag_step(self) -> float:
+        return self.padded * self.step / self.band
+
+    @property
+    def frequency_step(self) -> float:
+        """Step of the fine frequency grid, 1/m."""
+        return 1.0 / (self.fine * self.lag_step)
+
+    def band_indices(self) -> np.ndarray:
+        """Indices into the padded transform, which is periodic, in FFT order of the band."""
+        return np.fft.fftfreq(self.band, 1.0 / self.band).astype(int) % self.padded
+
+
+class PolarIntensity:
+    """Computes S(f; kappa) of a patch on a polar frequency grid.
+
+    Parameters
+    ----------
+    field
+        A prepared patch (levelled, filled, pixels at most lambda_min / 4).
+    sigma_s_m
+        Coherence window, metres.
+    ensemble
+        ``average`` or ``single``.
+    angles
+        ``(n_phi,)`` radians.
+    series, tolerance
+        See :class:`precompute.series.Series`.
+
+    Attributes
+    ----------
+    frequencies : ndarray
+        ``(n_f,)`` radial frequencies from 0 to beyond 2 / lambda_min, 1/m, evenly spaced.
+    """
+
+    def __init__(
+        self,
+        field: HeightField,
+        sigma_s_m: float,
+        ensemble: str,
+        angles: np.ndarray,
+        series: str = "nodes",
+        tolerance: float = 1e-4,
+    ) -> None:
+        rows, cols = field.shape
+        self.x = _Axis.plan(cols, field.dx, sigma_s_m)
+        self.y = _Axis.plan(rows, field.dy, sigma_s_m)
+        window = taper(field) if ensemble == "average" else gaussian_window(field, sigma_s_m)
+        area = float(np.sum(window * window)) * field.dx * field.dy
+        self.series = Series(
+            field.heights, window, 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M, series, tolerance, self._spectrum
+        )
+        self._lag_weight = self._make_lag_weight(sigma_s_m if ensemble == "average" else None)
+        # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
+        # by the lag area of 1 / (padded steps), the last transform integrates over lags.
+        pixel = field.dx * field.dy
+        self._factor = pixel**2 / area / (self.x.padded * self.y.padded * pixel) * self.x.lag_step * self.y.lag_step
+        step = RADIAL_STEP * lobe_width(sigma_s_m)
+        count = int(np.ceil(W_MAX / WAVELENGTH_MIN_M / step)) + 4
+        self.frequencies = step * np.arange(count)
+        fx = np.outer(self.frequencies, np.cos(angles)) / self.x.frequency_step
+        fy = np.outer(self.frequencies, np.sin(angles)) / self.y.frequency_step
+        self._coordinates = np.stack([fy, fx])
+
+    def _spectrum(self, p: np.ndarray) -> np.ndarray:
+        """sum p exp(+2 pi i f.x) over the pixels on the band, up to a phase: rows first, so that padding costs little."""
+        from scipy.fft import ifft
+
+        threads = workers()
+        along_x = ifft(p, self.x.padded, axis=1, norm="forward", workers=threads)
+        along_x = np.take(along_x, self.x.band_indices(), axis=1)
+        along_y = ifft(along_x, self.y.padded, axis=0, norm="forward", workers=threads, overwrite_x=True)
+        return np.take(along_y, self.y.band_indices(), axis=0)
+
+    def _make_lag_weight(self, sigma_s_m: float | None) -> np.ndarray:
+        """``(fine_y, fine_x / 2 + 1)`` lag window times the B-spline's prefilter, with the cut lags zero."""
+        weights = []
+        for axis in (self.y, self.x):
+            index = np.fft.fftfreq(axis.fine, 1.0 / axis.fine)
+            # A cubic B-spline multiplies the lag domain by sinc^4(D / period): undo that.
+            weight = np.sinc(index / axis.fine) ** -4
+            if sigma_s_m is not None:
+                weight *= np.exp(-((index * axis.lag_step) ** 2) / (4.0 * sigma_s_m**2))
+            weight[np.abs(index) > axis.cut] = 0.0
+            weights.append(weight)
+        return np.outer(weights[0], weights[1][: self.x.fine // 2 + 1]).astype(np.float32)
+
+    def smoothed(self, spectrum: np.ndarray) -> np.ndarray:
+        """B-spline coefficients of S on the fine Cartesian grid, frequency zero in the middle."""
+        from scipy.fft import irfft2, rfft2
+
+        threads = workers()
+        power = np.square(spectrum.real, dtype=np.float32)
+        power += np.square(spectrum.imag, dtype=np.float32)
+        # R at the lags of the band; power is real, so half a plane holds them all.
+        lags = rfft2(power, workers=threads, overwrite_x=True)
+        cut_y, cut_x = self.y.cut, self.x.cut
+        small = np.zeros((self.y.fine, self.x.fine // 2 + 1), lags.dtype)
+        small[: cut_y + 1, : cut_x + 1] = lags[: cut_y + 1, : cut_x + 1]
+        small[-cut_y:, : cut_x + 1] = lags[-cut_y:, : cut_x + 1]
+        small *= self._lag_weight
+        # rfft2 gave sum power exp(-2 pi i f.D), so irfft2 with exp(+2 pi i f.D) returns to +f.
+        fine = irfft2(small, (self.y.fine, self.x.fine), norm="forward", workers=threads, overwrite_x=True)
+        return np.fft.fftshift(fine)
+
+    def polar(self, smoothed: np.ndarray) -> np.ndarray:
+        """Read ``(n_f, n_phi)`` values of S (m^2) off the B-spline coefficients."""
+        from scipy.ndimage import map_coordinates
+
+        centre = np.array([self.y.fine // 2, self.x.fine // 2], float).reshape(2, 1, 1)
+        threads = workers()
+        out = np.empty(self._coordinates.shape[1:], np.float32)
+
+        def part(rows: slice) -> None:
+            map_coordinates(
+                smoothed,
+                self._coordinates[:, rows] + centre,
+                output=out[rows],
+                order=3,
+                mode="grid-wrap",
+                prefilter=False,
+            )
+
+        blocks = np.array_split(np.arange(len(out)), threads * 4)
+        with ThreadPoolExecutor(threads) as pool:
+            list(pool.map(lambda block: part(slice(block[0], block[-1] + 1)), [b for b in blocks if len(b)]))
+        return np.maximum(out * np.float32(self._factor), 0.0)
