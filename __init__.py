@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension's entry: Blender calls register() and unregister()."""
+"""Diffraction Shader: structural colours of measured nanostructured surfaces, for Blender."""
 
 
-def register():
+def register() -> None:
+    """Called by Blender when the extension is enabled."""
     from . import addon
 
     addon.register()
 
 
-def unregister():
+def unregister() -> None:
+    """Called by Blender when the extension is disabled."""
     from . import addon
 
     addon.unregister()

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material: node trees that render a spectral table."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ..precompute.colour import xyz_to_rgb_matrix
+from ..precompute.errors import TableError
+from ..precompute.layout import TableLayout
+from ..precompute.table import read_sidecar
+from . import frame, lights, osl, script_node
+
+#: Name of the node that holds a material's diffraction.
+NODE = "Diffraction"
+
+#: Custom property of a material of ours: path of its table.
+TABLE_KEY = "diffraction_table"
+
+#: Pigment under a material that had no shader of its own: the colours show over a dark ground only.
+DARK = (0.012, 0.010, 0.009, 1.0)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What an artist chooses for a material.
+
+    Parameters
+    ----------
+    fresnel
+        ``NONE`` (R = 1), ``DIELECTRIC`` (Schlick) or ``CONDUCTOR``.
+    ior
+        Index of refraction of the dielectric.
+    conserve_energy
+        Divide f by the albedo where that passes 1.
+    uv_map
+        Name of the UV map whose tangent is the scan's x; empty takes the active one.
+    rotation
+        Of the scan about the normal, radians.
+    brightness
+        Factor on the diffracted light.
+    """
+
+    fresnel: str = "DIELECTRIC"
+    ior: float = 1.5
+    conserve_energy: bool = True
+    uv_map: str = ""
+    rotation: float = 0.0
+    brightness: float = 1.0
+
+
+def is_ours(material: bpy.types.Material | None) -> bool:
+    """Whether a material renders a table."""
+    return material is not None and TABLE_KEY in material
+
+
+def shader_node(material: bpy.types.Material) -> bpy.types.Node | None:
+    """The node of a material that holds the sockets of the diffraction."""
+    return material.node_tree.nodes.get(NODE) if material.node_tree else None
+
+
+def table_path(material: bpy.types.Material) -> Path:
+    """Absolute path of a material's table."""
+    return Path(bpy.path.abspath(material[TABLE_KEY], library=material.library))
+
+
+def atlas_image(path: Path) -> bpy.types.Image:
+    """The image data-block of a table's atlas.
+
+    OSL reads the file by name; the data-block makes it known to Blender's path tools and to farm
+    packers, and the fake user keeps it.
+    """
+    path = path.resolve()
+    for image in bpy.data.images:
+        if image.library is None and Path(bpy.path.abspath(image.filepath)) == path:
+            image.reload()
+            break
+    else:
+        image = bpy.data.images.load(str(path), check_existing=False)
+    image.name = path.stem
+    image.colorspace_settings.name = "Non-Color"
+    image.alpha_mode = "NONE"
+    image.use_fake_user = True
+    image.filepath = relative(path)
+    return image
+
+
+def relative(path: Path) -> str:
+    """``//`` path where the .blend has a folder and the file lies on the same drive, else the absolute path."""
+    if not bpy.data.filepath:
+        return str(path)
+    try:
+        return bpy.path.relpath(str(path)).replace(os.sep, "/")
+    except ValueError:  # another drive
+        return str(path)
+
+
+def apply(
+    material: bpy.types.Material, table: str | Path, settings: Settings, lamps: list[bpy.types.Object]
+) -> bpy.types.Material:
+    """Make a material diffract: a fresh one, one with a shader of its own (kept underneath), or one of ours.
+
+    Parameters
+    ----------
+    material
+        Edited in place.
+    table
+        Path of the table's EXR.
+    settings
+        The artist's choice.
+    lamps
+        Lamp objects to follow.
+
+    Raises
+    ------
+    TableError
+        If the table is missing or of another version.
+    """
+    path = Path(bpy.path.abspath(str(table))).with_suffix(".exr").resolve()
+    sidecar = read_sidecar(path)
+    if not path.is_file():
+        raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
+    layout = TableLayout.from_dict(sidecar["layout"])
+    image = atlas_image(path)
+
+    text = _source_text(path.stem, osl.source(layout, float(sidecar["albedo_max"])))
+    node = _place_node(material)
+    script_node.fill(node, text)
+    node.label = f"Diffraction: {path.stem}"
+    node.inputs["Atlas"].default_value = image.filepath
+    _connect(material, node, settings)
+    set_settings(node, settings)
+    set_working_space(node, sidecar["colour"]["illuminant"])
+    lights.bind(node, lamps)
+
+    material[TABLE_KEY] = image.filepath
+    material["diffraction_illuminant"] = sidecar["colour"]["illuminant"]
+    # The correction bends the half vectors that stand in for normals.
+    material.cycles.use_bump_map_correction = False
+    return material
+
+
+def set_settings(node: bpy.types.Node, settings: Settings) -> None:
+    """Write the artist's choice into the sockets."""
+    node.inputs["Fresnel"].default_value = osl.FRESNEL[settings.fresnel]
+    node.inputs["IOR"].default_value = settings.ior
+    node.inputs["ConserveEnergy"].default_value = int(settings.conserve_energy)
+    node.inputs["Rotation"].default_value = settings.rotation
+    node.inputs["Brightness"].default_value = settings.brightness
+
+
+def set_working_space(node: bpy.types.Node, illuminant: str) -> None:
+    """Write the matrix from XYZ to the working space of the file into the sockets."""
+    matrix = xyz_to_rgb_matrix(bpy.data.colorspace.working_space, illuminant)
+    for name, row in zip(("ToRed", "ToGreen", "ToBlue"), matrix, strict=True):
+        node.inputs[name].default_value = [float(x) for x in row]
+
+
+def _source_text(stem: str, source: str) -> bpy.types.Text:
+    name = f"diffraction {stem}.osl"
+    text = bpy.data.texts.get(name) or bpy.data.texts.new(name)
+    if text.as_string() != source:
+        text.clear()
+        text.write(source)
+    return text
+
+
+def _place_node(material: bpy.types.Material) -> bpy.types.Node:
+    nodes = material.node_tree.nodes
+    node = nodes.get(NODE)
+    if node is not None and node.bl_idname != "ShaderNodeScript":
+        nodes.remove(node)
+        node = None
+    if node is None:
+        node = nodes.new("ShaderNodeScript")
+        node.name = NODE
+        node.width = 260.0
+    return node
+
+
+def _connect(material: bpy.types.Material, node: bpy.types.Node, settings: Settings) -> None:
+    tree = material.node_tree
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+    if output is None:
+        output = tree.nodes.new("ShaderNodeOutputMaterial")
+    surface = output.inputs["Surface"]
+    base = surface.links[0].from_socket if surface.links else None
+    if base is not None and base.node != node:
+        node.location = (output.location.x - 20.0, output.location.y)
+        output.location.x += 320.0
+        tree.links.new(base, node.inputs["Base"])
+    elif not node.inputs["Base"].links:
+        pigment = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        pigment.name = pigment.label = "Pigment"
+        pigment.inputs["Color"].default_value = DARK
+        pigment.location = (-300.0, 200.0)
+        node.location = (0.0, 200.0)
+        output.location = (340.0, 200.0)
+        tree.links.new(pigment.outputs["BSDF"], node.inputs["Base"])
+    for old in [n for n in tree.nodes if n.name.startswith("Diffraction ")]:
+        tree.nodes.remove(old)
+    tangent, bitangent = frame.uv_frame(tree, settings.uv_map, at=(node.location.x - 280.0, node.location.y - 200.0))
+    tree.links.new(tangent, node.inputs["Tangent"])
+    tree.links.new(bitangent, node.inputs["Bitangent"])
+    tree.links.new(node.outputs["BSDF"], surface)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The OSL source of a material: the files of ``shaders/`` behind the numbers of one table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..precompute.layout import TableLayout
+
+SHADERS = Path(__file__).resolve().parent.parent / "shaders"
+
+#: In the order in which they use each other.
+PARTS = ("table.osl", "brdf.osl", "lamps.osl", "diffraction.osl")
+
+#: Lamps a material can follow; each has five sockets, see ``shaders/diffraction.osl``.
+LAMPS_MAX = 16
+
+#: Values of the socket ``Fresnel``.
+FRESNEL = {"NONE": 0, "DIELECTRIC": 1, "CONDUCTOR": 2}
+
+#: Values of the sockets ``LampNKind``.
+LAMP_KINDS = {"NONE": 0, "SUN": 1, "BALL": 2, "RECTANGLE": 3, "ELLIPSE": 4}
+
+
+def source(layout: TableLayout, albedo_max: float) -> str:
+    """The complete source text for a table.
+
+    The table's numbers come as constants, not as sockets, so that the compiler folds them and an
+    albedo that never passes 1 costs no lookup.
+
+    Parameters
+    ----------
+    layout
+        Coordinates and atlas geometry of the table.
+    albedo_max
+        Largest directional albedo of the raw model.
+    """
+    numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
+    numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
+    numbers["LAMPS_MAX"] = LAMPS_MAX
+    numbers.update({f"FRESNEL_{name}": value for name, value in FRESNEL.items()})
+    numbers.update({f"LAMP_{name}": value for name, value in LAMP_KINDS.items()})
+    defines = "".join(f"#define {name} {value!r}\n" for name, value in sorted(numbers.items()))
+    return defines + "\n" + "\n".join((SHADERS / part).read_text(encoding="utf-8") for part in PARTS)
