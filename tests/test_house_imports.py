@@ -131,5 +131,8 @@ print(len(names))
     assert int(done.stdout) == len(below)
 
 
-def test_there_are_shaders():
-    assert list((ROOT / "shaders").glob("*.osl"))
+def test_shaders_carry_the_licence():
+    shaders = [path for path in (ROOT / "shaders").rglob("*") if path.is_file()]
+    assert [path for path in shaders if path.suffix == ".osl"]
+    for path in shaders:
+        assert path.read_text(encoding="utf-8").startswith("// SPDX-License-Identifier: GPL-3.0-or-later"), path
