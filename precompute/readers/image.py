@@ -65,10 +65,10 @@ def read_exr(path: Path) -> list[Channel]:
     import OpenEXR
 
     with OpenEXR.File(os.fspath(path), header_only=True) as file:
-        header = file.header()
-    low, high = (np.asarray(corner, np.int64) for corner in header["dataWindow"])
+        header = file.header()  # emptied when the file closes
+        low, high = (np.array(corner, np.int64) for corner in header["dataWindow"])
+        names = [channel.name for channel in header["channels"]]
     check_shape(int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    names = [channel.name for channel in header["channels"]]
     if {"R", "G", "B"} <= set(names):
         names = ["Grey", *(name for name in names if name != "A")]
     else:
@@ -81,8 +81,8 @@ def read_exr(path: Path) -> list[Channel]:
             if name == "Grey":
                 values = np.stack([channels[c].pixels for c in "RGB"], axis=-1)
             else:
-                values = channels[name].pixels
-        return _samples(np.asarray(values))
+                values = np.array(channels[name].pixels)
+        return _samples(values)
 
     return [Channel(name, None, lambda name=name: load(name)) for name in names]
 
@@ -94,7 +94,7 @@ def _samples(values: np.ndarray) -> Samples:
         full_scale = float(np.iinfo(values.dtype).max)
     elif values.dtype.kind == "f":
         full_scale = 1.0
-    elif values.dtype == np.int32 and values.size and 0 <= values.min() and values.max() <= 65535:
+    elif values.dtype == np.int32 and values.size and values.min() >= 0 and values.max() <= 65535:
         full_scale = 65535.0  # how 16-bit grey PNGs arrive from some versions of the library
     else:
         raise ScanError(f"The image holds {values.dtype} pixels; save it as 8- or 16-bit grey, or as floats.")
