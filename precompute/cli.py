@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: scans in, tables, numbers and pictures out.
+
+Each subcommand is a module of ``precompute.commands``. With ``--json`` standard output holds one JSON object and
+nothing else; progress goes to standard error, and so does the one sentence of an error, with exit code 2.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import sys
+import warnings
+from collections.abc import Sequence
+from typing import Any, NoReturn
+
+from .commands import COMMANDS
+from .errors import DiffractionError
+
+#: Exit codes: the input's fault, and stopped by the user (128 + SIGINT).
+EXIT_ERROR = 2
+EXIT_INTERRUPTED = 130
+
+
+class _Parser(argparse.ArgumentParser):
+    """Says what is wrong in one sentence instead of printing the usage, and takes every negative number as one."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(allow_abbrev=False, **options)
+        # argparse reads -1e-3 as an option otherwise.
+        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$")
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(EXIT_ERROR, f"{one_sentence(message)} See '{self.prog} --help'.\n")
+
+
+def one_sentence(message: object) -> str:
+    """A message on one line, with a capital letter and a full stop."""
+    text = " ".join(str(message).split()) or "Something went wrong"
+    text = text[0].upper() + text[1:]
+    return text if text.endswith((".", "!", "?")) else text + "."
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """The parser with all subcommands."""
+    parser = _Parser(prog="python -m precompute", description="Structural colours of measured nanostructured surfaces.")
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
+    for command in COMMANDS:
+        name = command.__name__.rpartition(".")[2]
+        summary = (command.__doc__ or "").strip().splitlines()[0]
+        sub = subparsers.add_parser(name, help=summary, description=summary)
+        command.add_arguments(sub)
+        sub.add_argument("--json", action="store_true", help="print one JSON object on standard output")
+        sub.set_defaults(run=command.run, describe=getattr(command, "describe", None))
+    return parser
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Parameters
+    ----------
+    arguments
+        Without the program's name; None takes ``sys.argv``.
+
+    Returns
+    -------
+    int
+        The exit code: 0, 2 (one sentence on standard error says why) or 130 (interrupted).
+    """
+    try:
+        args = build_parser().parse_args(arguments)
+    except SystemExit as exit_:
+        return int(exit_.code or 0)
+    try:
+        with warnings.catch_warnings():
+            if not sys.warnoptions:
+                # Standard error is for progress and the one sentence; libraries warn about their own affairs.
+                warnings.simplefilter("ignore")
+            result = args.run(args)
+    except KeyboardInterrupt:
+        print("Interrupted; nothing was written.", file=sys.stderr)
+        return EXIT_INTERRUPTED
+    except DiffractionError as error:
+        print(one_sentence(error), file=sys.stderr)
+        return EXIT_ERROR
+    except MemoryError:
+        print("Not enough memory; use a smaller scan, a smaller sigma_s or a coarser table.", file=sys.stderr)
+        return EXIT_ERROR
+    if args.json:
+        print(json.dumps(result, allow_nan=False))
+    else:
+        print(args.describe(result) if args.describe else describe(result))
+    return 0
+
+
+def describe(result: dict[str, Any]) -> str:
+    """A readable summary: one line an entry."""
+    width = max((len(key) for key in result), default=0)
+    return "\n".join(f"{key:<{width}}  {_readable(value)}" for key, value in result.items())
+
+
+def _readable(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{key} {_readable(item)}" for key, item in value.items())
+    if isinstance(value, list | tuple):
+        return "  ".join(_readable(item) for item in value)
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    return "-" if value is None else str(value)

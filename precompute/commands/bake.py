@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake a scan into a spectral table."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from ..parameters import BakeParameters
+from . import options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """FILE, --out and what decides the table."""
+    default = BakeParameters()
+    options.add_scan(parser)
+    parser.add_argument("--out", required=True, metavar="DIR", help="folder of the table; made if missing")
+    parser.add_argument("--name", help="name of the table's files; the scan's by default")
+    options.add_parameters(parser)
+    parser.add_argument("--detail", type=options.number, default=default.detail, help="resolution of the table")
+    parser.add_argument(
+        "--limit-mb",
+        type=options.number,
+        default=default.limit_bytes / 1e6,
+        metavar="MB",
+        help="refuse tables with more texels than this",
+    )
+
+
+def run(args: argparse.Namespace) -> dict[str, Any]:
+    """Bake and say what it cost."""
+    from ..bake import bake_file
+    from ..memory import peak_rss_bytes
+
+    parameters = options.bake_parameters(args, detail=args.detail, limit_bytes=int(args.limit_mb * 1e6))
+    with options.Progress() as progress:
+        report = bake_file(args.file, args.out, parameters, progress, args.name, **options.scan_reading(args))
+    return {
+        "table": str(report.path),
+        "terms": int(report.table.info["terms"]),
+        "bytes": int(report.table.layout.texel_bytes),
+        "seconds": {stage: round(seconds, 4) for stage, seconds in report.seconds.items()},
+        "peak_rss_bytes": peak_rss_bytes(),
+        "albedo_max": report.table.albedo_max,
+    }
+
+
+def describe(result: dict[str, Any]) -> str:
+    """One line a stage."""
+    memory = result["peak_rss_bytes"]
+    lines = [
+        f"table        {result['table']}",
+        f"terms        {result['terms']}",
+        f"texels       {result['bytes'] / 1e6:.1f} MB",
+        f"peak memory  {'unknown' if memory is None else f'{memory / 1e6:.0f} MB'}",
+        f"albedo       at most {result['albedo_max']:.3f}",
+    ]
+    lines += [f"{stage:<14}{seconds:8.2f} s" for stage, seconds in result["seconds"].items()]
+    return "\n".join(lines)

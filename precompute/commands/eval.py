@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Evaluate the BRDF of a table for one pair of directions."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from . import options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """TABLE and two directions."""
+    parser.add_argument("table", metavar="TABLE", help="the table's .exr or .json")
+    options.add_directions(parser)
+
+
+def run(args: argparse.Namespace) -> dict[str, Any]:
+    """Absolute BRDF without Fresnel, raw model, XYZ in 1/sr."""
+    from ..brdf import brdf
+    from ..table import SpectralTable
+
+    table = SpectralTable.load(args.table)
+    xyz = brdf(table, options.direction(args.wi), options.direction(args.wr))
+    return {"xyz": [float(value) for value in xyz]}
+
+
+def describe(result: dict[str, Any]) -> str:
+    """One line."""
+    return "XYZ  " + "  ".join(f"{value:.6g}" for value in result["xyz"]) + "  1/sr"

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Say what a scan holds: shape, size, heights, channel."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from . import options
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """FILE and its units."""
+    options.add_scan(parser)
+
+
+def run(args: argparse.Namespace) -> dict[str, Any]:
+    """See `precompute.scan_info.scan_info`."""
+    from ..scan_info import scan_info
+
+    return scan_info(options.read(args))
+
+
+def describe(result: dict[str, Any]) -> str:
+    """In micrometres and nanometres."""
+    rows, cols = result["shape"]
+    x, y = (1e6 * side for side in result["size_m"])
+    low, high, rms = (1e9 * result[key] for key in ("z_min_m", "z_max_m", "rms_m"))
+    return "\n".join(
+        (
+            f"{result['format']}, channel {result['channel']}",
+            f"{cols} x {rows} pixels, {x:.6g} um x {y:.6g} um",
+            f"heights {low:.6g} to {high:.6g} nm, rms {rms:.6g} nm",
+            f"{result['missing']} missing points",
+        )
+    )

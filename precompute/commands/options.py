@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Options that several subcommands share, and what they mean in SI units."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+
+import numpy as np
+
+from ..directions import from_angles
+from ..heightfield import HeightField
+from ..parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES, BakeParameters
+
+
+def number(text: str) -> float:
+    """A finite number, for argparse."""
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is no number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"'{text}' is not finite")
+    return value
+
+
+def add_scan(parser: argparse.ArgumentParser) -> None:
+    """FILE and what a file may fail to say about itself."""
+    parser.add_argument("file", metavar="FILE", help="the scan")
+    parser.add_argument("--size-um", nargs=2, type=number, metavar=("X", "Y"), help="side lengths in micrometres")
+    parser.add_argument("--height-nm", type=number, metavar="H", help="height range in nanometres")
+    parser.add_argument("--channel", help="name or number of the channel; the height channel by default")
+
+
+def scan_reading(args: argparse.Namespace) -> dict[str, object]:
+    """Keyword arguments of `precompute.readers.read_scan`."""
+    return {
+        "size_m": None if args.size_um is None else tuple(x * 1e-6 for x in args.size_um),
+        "height_m": None if args.height_nm is None else args.height_nm * 1e-9,
+        "channel": args.channel,
+    }
+
+
+def read(args: argparse.Namespace) -> HeightField:
+    """The scan that `add_scan` names."""
+    from ..readers import read_scan
+
+    return read_scan(args.file, **scan_reading(args))
+
+
+def add_parameters(parser: argparse.ArgumentParser) -> None:
+    """What decides a bake; the defaults are those of `BakeParameters`."""
+    default = BakeParameters()
+    parser.add_argument(
+        "--sigma-s-um",
+        type=number,
+        metavar="S",
+        help="coherence width; by default a tenth of the shorter side (average) or 16.25 (single)",
+    )
+    parser.add_argument("--ensemble", choices=ENSEMBLES, default=default.ensemble)
+    parser.add_argument("--series", choices=SERIES, default=default.series)
+    parser.add_argument("--tolerance", type=number, metavar="E", default=default.tolerance)
+    parser.add_argument("--level", choices=LEVELS, default=default.level)
+    parser.add_argument("--clip", type=number, metavar="P", help="keep the middle P percent of heights")
+    parser.add_argument("--illuminant", choices=ILLUMINANTS, default=default.illuminant)
+
+
+def bake_parameters(args: argparse.Namespace, **more: object) -> BakeParameters:
+    """The parameters that `add_parameters` collected, in SI units."""
+    return BakeParameters(
+        sigma_s_m=None if args.sigma_s_um is None else args.sigma_s_um * 1e-6,
+        ensemble=args.ensemble,
+        series=args.series,
+        tolerance=args.tolerance,
+        level=args.level,
+        clip_percent=args.clip,
+        illuminant=args.illuminant,
+        **more,
+    )
+
+
+def add_directions(parser: argparse.ArgumentParser) -> None:
+    """--wi and --wr in degrees."""
+    for name, target in (("wi", "light"), ("wr", "viewer")):
+        parser.add_argument(
+            f"--{name}",
+            nargs=2,
+            type=number,
+            required=True,
+            metavar=("THETA", "PHI"),
+            help=f"direction towards the {target}: polar angle and azimuth in degrees",
+        )
+
+
+def direction(angles_deg: list[float]) -> np.ndarray:
+    """``(3,)`` unit vector of polar angle and azimuth in degrees."""
+    return from_angles(*np.radians(angles_deg))
+
+
+class Progress:
+    """Prints the stage and the percentage on standard error: in place on a terminal, a line a stage elsewhere."""
+
+    def __init__(self) -> None:
+        self._terminal = sys.stderr.isatty()
+        self._stage = ""
+
+    def __call__(self, stage: str, fraction: float) -> None:
+        if self._terminal:
+            print(f"\r\033[K{100 * fraction:3.0f} %  {stage}", end="", file=sys.stderr, flush=True)
+        elif stage != self._stage:
+            print(f"{100 * fraction:3.0f} %  {stage}", file=sys.stderr, flush=True)
+        self._stage = stage
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._terminal and self._stage:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
