@@ -24,13 +24,14 @@ SECTORS = 144
 THETA_LAST = np.radians(89.5)
 
 
-def albedo_map(transform: np.ndarray, layout: TableLayout, white: np.ndarray) -> np.ndarray:
+def albedo_map(texels: np.ndarray, layout: TableLayout, white: np.ndarray) -> np.ndarray:
     """Albedo on the grid of the albedo tile.
 
     Parameters
     ----------
-    transform
-        ``(n_r, n_w, 3, n_phi)`` T in XYZ on the table's grid, 1/sr.
+    texels
+        ``(n_r, n_w, 3, n_phi)`` the table's nodes, ``T / |w|^power`` in XYZ, which the renderer interpolates
+        linearly in column, row and slice; the quadrature integrates that interpolant.
     layout
         The table's coordinates.
     white
@@ -41,13 +42,13 @@ def albedo_map(transform: np.ndarray, layout: TableLayout, white: np.ndarray) ->
     ndarray
         ``(n_albedo_phi, n_theta)``; the largest of X, Y and Z relative to white.
     """
-    from scipy.fft import irfft, rfft
+    from scipy.fft import rfft
 
     sectors = min(SECTORS, layout.n_phi)
-    spectrum = rfft(_sector_means(transform, sectors).astype(np.float32), axis=-1)  # (n_r, n_w, 3, m)
+    spectrum = rfft(_sector_means(texels, sectors).astype(np.float32), axis=-1)  # (n_r, n_w, 3, m)
     radii = layout.radii
     edges = np.concatenate([[0.0], 0.5 * (radii[1:] + radii[:-1]), [radii[-1]]])
-    area = (0.5 * np.diff(edges**2) * (2.0 * np.pi / sectors))[:, None]
+    area = (_hat_areas(radii) * (2.0 * np.pi / sectors))[:, None]
     delta = 2.0 * np.pi / sectors
     alpha = (np.arange(sectors) + 0.5) * delta
     half_extent = 0.5 * np.hypot(np.diff(edges)[:, None], radii[:, None] * delta)
@@ -75,11 +76,9 @@ def albedo_map(transform: np.ndarray, layout: TableLayout, white: np.ndarray) ->
         blend = position - lower
         kernel = np.zeros((layout.n_r, layout.n_w, sectors), np.float32)
         ir, ia = np.indices(lower.shape)
-        # The table interpolates T / |w|^power linearly between slices.
         factor = weight * w**layout.power
-        slices = layout.slices**-layout.power
-        kernel[ir, lower, ia] = factor * (1.0 - blend) * slices[lower]
-        kernel[ir, lower + 1, ia] = factor * blend * slices[lower + 1]
+        kernel[ir, lower, ia] = factor * (1.0 - blend)
+        kernel[ir, lower + 1, ia] = factor * blend
         kernel_spectrum = rfft(kernel, axis=-1)
         product = np.einsum("rwm,rwcm->cm", np.conj(kernel_spectrum), spectrum)
         product[:, 1:] *= 2.0
@@ -91,12 +90,21 @@ def albedo_map(transform: np.ndarray, layout: TableLayout, white: np.ndarray) ->
     return np.maximum(result, 0.0)
 
 
-def _sector_means(transform: np.ndarray, sectors: int) -> np.ndarray:
-    """Mean of T over ``sectors`` equal sectors that start at phi = 0; row j of the table stands for its own angle."""
-    n_phi = transform.shape[-1]
-    cumulative = np.concatenate([np.zeros((*transform.shape[:-1], 1)), np.cumsum(transform, -1, dtype=np.float64)], -1)
+def _hat_areas(radii: np.ndarray) -> np.ndarray:
+    """integral hat_i(r) r dr for the piecewise linear hat functions of the radii."""
+    step = np.diff(radii)
+    areas = np.zeros(len(radii))
+    areas[:-1] += step * (2.0 * radii[:-1] + radii[1:]) / 6.0
+    areas[1:] += step * (radii[:-1] + 2.0 * radii[1:]) / 6.0
+    return areas
+
+
+def _sector_means(texels: np.ndarray, sectors: int) -> np.ndarray:
+    """Means over ``sectors`` equal sectors that start at phi = 0; row j of the table stands for its own angle."""
+    n_phi = texels.shape[-1]
+    cumulative = np.concatenate([np.zeros((*texels.shape[:-1], 1)), np.cumsum(texels, -1, dtype=np.float64)], -1)
     edges = np.arange(sectors + 1) * (n_phi / sectors)
     whole = edges.astype(int)
     part = edges - whole
-    at = cumulative[..., whole] + part * transform[..., whole % n_phi]
+    at = cumulative[..., whole] + part * texels[..., whole % n_phi]
     return np.diff(at, axis=-1) * (sectors / n_phi)

@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from .albedo import albedo_map
+from .balance import balance
 from .colour import spectral_weights, white_xyz
 from .errors import ScanError, SizeLimitError
 from .heightfield import HeightField
@@ -21,7 +22,7 @@ from .plan import plan_layout
 from .prepare import prepare
 from .readers import read_scan
 from .series import bessel_order, chebyshev_nodes
-from .spectral_sum import balance, spectral_slices
+from .spectral_sum import spectral_slices
 from .table import SpectralTable
 from .window import default_sigma_s
 
@@ -199,11 +200,15 @@ def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> Spe
     )
     del intensity
     stages.done("spectral sum")
-    stages.report("albedo", 0.87)
-    albedo = albedo_map(transform, layout, white)
+    stages.report("balance", 0.85)
+    texels = balance(transform, layout)
+    del transform
+    stages.done("balance")
+    stages.report("albedo", 0.88)
+    albedo = albedo_map(texels, layout, white)
     stages.done("albedo")
     stages.report("atlas", 0.92)
-    layout, atlas = assemble(transform, layout, albedo)
+    layout, atlas = assemble(texels, layout, albedo)
     stages.done("atlas")
     info = {
         "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
@@ -229,15 +234,15 @@ def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> Spe
     return SpectralTable(layout, atlas, info)
 
 
-def assemble(transform: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tuple[TableLayout, np.ndarray]:
-    """Put T into the atlas as half floats, balanced for linear interpolation.
+def assemble(texels: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tuple[TableLayout, np.ndarray]:
+    """Put the table's nodes into the atlas as half floats.
 
     Parameters
     ----------
-    transform
-        ``(n_r, n_w, 3, n_phi)`` XYZ, 1/sr; overwritten.
+    texels
+        ``(n_r, n_w, 3, n_phi)``, ``T / |w|^power`` in XYZ.
     layout
-        Its scale is set here.
+        Its scale is replaced.
     albedo
         ``(n_albedo_phi, n_theta)``.
 
@@ -247,22 +252,22 @@ def assemble(transform: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> 
         With the scale in force.
     atlas : ndarray
         ``(height, width, 3)`` float16, row 0 at the bottom.
-    """
-    from dataclasses import replace
 
-    transform *= (layout.slices**-layout.power).astype(np.float32)[:, None, None]
-    for axis, periodic in ((3, True), (0, False), (1, False)):
-        transform = balance(transform, axis, periodic)
-    peak = float(transform.max())
+    Raises
+    ------
+    ScanError
+        If no light at all is diffracted into the table's domain.
+    """
+    peak = float(texels.max())
     if not np.isfinite(peak) or peak <= 0.0:
         raise ScanError("The patch diffracts no light into the visible range; check the scan's size and heights.")
     layout = replace(layout, scale=peak / _LARGEST_TEXEL)
-    transform *= np.float32(1.0 / layout.scale)
+    factor = np.float32(1.0 / layout.scale)
     atlas = np.zeros((layout.height, layout.width, 3), np.float16)
     for index in range(layout.n_w):
         x, y = layout.tile_origin(index)
         tile = atlas[y : y + layout.tile_height, x : x + layout.n_r]
-        tile[1:-1] = transform[:, index].transpose(2, 0, 1)
+        tile[1:-1] = (texels[:, index] * factor).transpose(2, 0, 1)
         tile[0], tile[-1] = tile[-2], tile[1]
     tile = atlas[layout.albedo_y :, : layout.n_theta]
     tile[1:-1] = albedo[:, :, None]

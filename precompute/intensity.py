@@ -144,7 +144,7 @@ class PolarIntensity:
         self._coordinates = np.stack([fy, fx])
 
     def _spectrum(self, p: np.ndarray) -> np.ndarray:
-        """sum p exp(+2 pi i f.x) over the pixels on the band, up to a phase: rows first, so that padding costs little."""
+        """sum p exp(+2 pi i f.x) over the pixels, on the band. Rows first, so that padding costs little."""
         from scipy.fft import ifft
 
         threads = workers()

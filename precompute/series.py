@@ -105,6 +105,20 @@ def node_weights(nodes: np.ndarray, kappa_max: float, kappa: np.ndarray) -> np.n
     return chebvander(2.0 * np.asarray(kappa) / kappa_max - 1.0, count - 1) @ at_nodes.T / count
 
 
+def term_weight(method: str, n: int, kappa: np.ndarray, kappa_max: float, half_range: float) -> np.ndarray:
+    """Weight of term n of a series at each kappa.
+
+    Taylor: ``(kappa h_half)^n / n!`` (the terms hold heights relative to half their range);
+    Chebyshev: ``T_n(2 kappa / kappa_max - 1)``.
+    """
+    kappa = np.asarray(kappa, np.float64)
+    if method == "taylor":
+        x = kappa * half_range
+        with np.errstate(divide="ignore"):
+            return np.exp(n * np.log(x) - math.lgamma(n + 1)) if n else np.ones_like(x)
+    return np.cos(n * np.arccos(np.clip(2.0 * kappa / kappa_max - 1.0, -1.0, 1.0)))
+
+
 class Series:
     """Transforms of ``window * exp(-i kappa h)`` at many kappa by one of the three methods.
 
@@ -170,12 +184,7 @@ class Series:
 
     def weight(self, n: int, kappa: np.ndarray) -> np.ndarray:
         """Weight of term n at each kappa."""
-        kappa = np.asarray(kappa, np.float64)
-        if self.method == "taylor":
-            x = kappa * self.half_range
-            with np.errstate(divide="ignore"):
-                return np.exp(n * np.log(x) - math.lgamma(n + 1)) if n else np.ones_like(x)
-        return np.cos(n * np.arccos(np.clip(2.0 * kappa / self.kappa_max - 1.0, -1.0, 1.0)))
+        return term_weight(self.method, n, kappa, self.kappa_max, self.half_range)
 
     def amplitudes(self, kappas: np.ndarray, group: int = 8) -> Iterator[np.ndarray]:
         """Transforms of ``window * p`` at each kappa, in order.
