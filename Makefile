@@ -13,9 +13,9 @@ help:
 	@echo "make setup      .venv with Blender as a module and the tools"
 	@echo "make demo       scan -> bake -> picture, written to out/ (SCAN=path takes your own)"
 	@echo "make test       all tests but the slow ones; make test-slow: all"
-	@echo "make bench      times and memory of the bake"
+	@echo "make bench      times, memory and accuracy of a bake"
 	@echo "make lint       ruff check and format"
-	@echo "make docs       the pictures and numbers of docs/"
+	@echo "make docs       the pictures of docs/"
 	@echo "make build      the extension, one zip a platform, in dist/"
 
 setup: $(READY)
