@@ -2,9 +2,29 @@
 """Everything that imports bpy: operators, panels, properties, material, lamps."""
 
 
+def _parts():
+    from . import handlers, operators, panels, properties
+
+    return properties, operators, panels, handlers
+
+
 def register() -> None:
-    """Register all classes and handlers."""
+    """Register all classes, then what hangs on them."""
+    import bpy
+
+    for part in _parts():
+        for cls in getattr(part, "CLASSES", ()):
+            bpy.utils.register_class(cls)
+        if hasattr(part, "register"):
+            part.register()
 
 
 def unregister() -> None:
-    """Remove them in reverse order."""
+    """Remove everything in reverse order."""
+    import bpy
+
+    for part in reversed(_parts()):
+        if hasattr(part, "unregister"):
+            part.unregister()
+        for cls in reversed(getattr(part, "CLASSES", ())):
+            bpy.utils.unregister_class(cls)

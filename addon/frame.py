@@ -5,6 +5,8 @@ from __future__ import annotations
 
 import bpy
 
+TANGENT, BITANGENT = "Diffraction Tangent", "Diffraction Bitangent"
+
 
 def uv_frame(
     tree: bpy.types.NodeTree, uv_map: str = "", at: tuple[float, float] = (0.0, 0.0)
@@ -25,10 +27,10 @@ def uv_frame(
         Location in the node editor.
     """
     sockets = []
-    for row, (name, colour) in enumerate((("Tangent", (1.0, 0.5, 0.5, 1.0)), ("Bitangent", (0.5, 1.0, 0.5, 1.0)))):
+    for row, (name, colour) in enumerate(((TANGENT, (1.0, 0.5, 0.5, 1.0)), (BITANGENT, (0.5, 1.0, 0.5, 1.0)))):
         node = tree.nodes.new("ShaderNodeNormalMap")
-        node.name = f"Diffraction {name}"
-        node.label = f"{name} (scan's {'xy'[row]})"
+        node.name = name
+        node.label = f"Scan's {'xy'[row]}"
         node.space = "TANGENT"
         node.uv_map = uv_map
         node.inputs["Color"].default_value = colour

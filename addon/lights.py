@@ -126,6 +126,12 @@ def _shape_of(light: bpy.types.Light) -> tuple:
     return light.name_full, light.type, getattr(light, "shape", "")
 
 
+def too_many(lamps: list[bpy.types.Object]) -> str:
+    """The warning for more lamps than a material can follow."""
+    left_out = ", ".join(lamp.name for lamp in lamps[LAMPS_MAX:][:3])
+    return f"{len(lamps)} lamps, but a material follows {LAMPS_MAX}: {left_out} and further ones are not diffracted"
+
+
 def bind(node: bpy.types.Node, lamps: list[bpy.types.Object]) -> None:
     """Make the lamp sockets of a shader node or group follow the lamps.
 

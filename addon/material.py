@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,13 +12,16 @@ from ..precompute.colour import xyz_to_rgb_matrix
 from ..precompute.errors import TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import read_sidecar
-from . import frame, lights, osl, script_node
+from . import frame, lights, osl, paths, script_node
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"
 
 #: Custom property of a material of ours: path of its table.
 TABLE_KEY = "diffraction_table"
+
+#: Sockets that an artist turns while looking.
+LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "DiffuseLimit", "Cone")
 
 #: Pigment under a material that had no shader of its own: the colours show over a dark ground only.
 DARK = (0.012, 0.010, 0.009, 1.0)
@@ -58,6 +60,11 @@ def is_ours(material: bpy.types.Material | None) -> bool:
     return material is not None and TABLE_KEY in material
 
 
+def any_ours() -> bool:
+    """Whether the file holds a material of ours; cheap enough for every update."""
+    return any(TABLE_KEY in material for material in bpy.data.materials)
+
+
 def shader_node(material: bpy.types.Material) -> bpy.types.Node | None:
     """The node of a material that holds the sockets of the diffraction."""
     return material.node_tree.nodes.get(NODE) if material.node_tree else None
@@ -74,7 +81,6 @@ def atlas_image(path: Path) -> bpy.types.Image:
     OSL reads the file by name; the data-block makes it known to Blender's path tools and to farm
     packers, and the fake user keeps it.
     """
-    path = path.resolve()
     for image in bpy.data.images:
         if image.library is None and Path(bpy.path.abspath(image.filepath)) == path:
             image.reload()
@@ -85,18 +91,8 @@ def atlas_image(path: Path) -> bpy.types.Image:
     image.colorspace_settings.name = "Non-Color"
     image.alpha_mode = "NONE"
     image.use_fake_user = True
-    image.filepath = relative(path)
+    image.filepath = paths.relative(path)
     return image
-
-
-def relative(path: Path) -> str:
-    """``//`` path where the .blend has a folder and the file lies on the same drive, else the absolute path."""
-    if not bpy.data.filepath:
-        return str(path)
-    try:
-        return bpy.path.relpath(str(path)).replace(os.sep, "/")
-    except ValueError:  # another drive
-        return str(path)
 
 
 def apply(
@@ -120,7 +116,7 @@ def apply(
     TableError
         If the table is missing or of another version.
     """
-    path = Path(bpy.path.abspath(str(table))).with_suffix(".exr").resolve()
+    path = Path(bpy.path.abspath(str(table))).with_suffix(".exr")
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
@@ -158,6 +154,33 @@ def set_working_space(node: bpy.types.Node, illuminant: str) -> None:
     matrix = xyz_to_rgb_matrix(bpy.data.colorspace.working_space, illuminant)
     for name, row in zip(("ToRed", "ToGreen", "ToBlue"), matrix, strict=True):
         node.inputs[name].default_value = [float(x) for x in row]
+
+
+def settings_of(material: bpy.types.Material) -> Settings:
+    """The artist's choice, read back from the sockets."""
+    inputs = shader_node(material).inputs
+    names = {value: name for name, value in osl.FRESNEL.items()}
+    tangent = material.node_tree.nodes.get(frame.TANGENT)
+    return Settings(
+        fresnel=names.get(inputs["Fresnel"].default_value, "DIELECTRIC"),
+        ior=inputs["IOR"].default_value,
+        conserve_energy=bool(inputs["ConserveEnergy"].default_value),
+        uv_map=tangent.uv_map if tangent is not None else "",
+        rotation=inputs["Rotation"].default_value,
+        brightness=inputs["Brightness"].default_value,
+    )
+
+
+def our_materials() -> list[bpy.types.Material]:
+    """Materials of ours that can be edited and are whole."""
+    return [m for m in bpy.data.materials if is_ours(m) and m.is_editable and shader_node(m) is not None]
+
+
+def refresh_table(path: Path, scene: bpy.types.Scene) -> None:
+    """Bring the materials of a table that was baked anew up to its layout."""
+    for material in our_materials():
+        if table_path(material) == path:
+            apply(material, path, settings_of(material), lights.lamp_objects(scene))
 
 
 def _source_text(stem: str, source: str) -> bpy.types.Text:

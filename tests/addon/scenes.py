@@ -87,7 +87,7 @@ def add_camera(direction=(0, 0, 1), extent=2.2, distance=10.0, up="Y"):
 
 
 def render(size=96, samples=1, scene=None):
-    """Render with Cycles and return linear RGB, float (size, size, 3), row 0 at the bottom; no pixel filter to speak of."""
+    """Render with Cycles and return linear RGB, float (size, size, 3), row 0 at the bottom."""
     import OpenEXR
 
     scene = scene or bpy.context.scene

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cycles against numpy, per pixel: a sphere under suns without size."""
 
+import bpy  # before mathutils, which comes with it
 import numpy as np
 import pytest
-import bpy  # before mathutils, which comes with it
 from mathutils import Euler, Matrix, Vector
 
 from precompute.colour import xyz_to_rgb_matrix

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Give the selected objects a material that renders the scene's table."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+
+from ...precompute.errors import DiffractionError
+from .. import lights, material, paths, properties, setup
+
+
+class DIFFRACTION_OT_apply_material(bpy.types.Operator):
+    """Make the selected objects diffract; a material they have stays underneath as pigment"""
+
+    bl_idname = "diffraction.apply_material"
+    bl_label = "Apply"
+    bl_options = {"REGISTER", "UNDO"}
+
+    fresnel: EnumProperty(
+        name="Fresnel",
+        description="How much the surface reflects",
+        items=properties.FRESNEL_ITEMS,
+        default="DIELECTRIC",
+    )
+    ior: properties.ior()
+    conserve_energy: BoolProperty(name="Conserve Energy", default=True)
+    uv_map: StringProperty(name="UV Map", description="Whose tangent is the scan's x; empty takes the active one")
+    rotation: FloatProperty(name="Rotation", description="Turn of the scan on the surface", subtype="ANGLE")
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.diffraction.table_path:
+            cls.poll_message_set("Bake a table first")
+            return False
+        if not any(_takes_material(ob) for ob in context.selected_objects):
+            cls.poll_message_set("Select an object with a surface")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        for name in ("fresnel", "ior", "conserve_energy", "rotation"):
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(context.scene.diffraction, name))
+        return self.execute(context)
+
+    def execute(self, context):
+        settings = material.Settings(
+            fresnel=self.fresnel,
+            ior=self.ior,
+            conserve_energy=self.conserve_energy,
+            uv_map=self.uv_map,
+            rotation=self.rotation,
+        )
+        table = paths.absolute(context.scene.diffraction.table_path)
+        context.view_layer.update()  # new lamps are not yet in the layer
+        lamps = lights.lamp_objects(context.scene)
+        try:
+            made = {}
+            for ob in context.selected_objects:
+                if _takes_material(ob):
+                    _give(ob, table, settings, lamps, made)
+        except DiffractionError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        notes = setup.prepare_scene(context.scene, lamps)
+        self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
+        if not lamps and context.scene.world is None:
+            self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
+        if len(lamps) > lights.LAMPS_MAX:
+            self.report({"WARNING"}, lights.too_many(lamps))
+        return {"FINISHED"}
+
+
+def _takes_material(ob: bpy.types.Object) -> bool:
+    return ob.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"} and ob.is_editable and ob.data.is_editable
+
+
+def _give(ob, table, settings, lamps, made) -> None:
+    """Set an object's active material up; objects that shared one share the new one."""
+    old = ob.active_material
+    if old not in made:
+        if material.is_ours(old) and old.is_editable:
+            new = old
+        elif old is not None:
+            new = old.copy()
+            new.name = f"{old.name} diffraction"
+        else:
+            new = bpy.data.materials.new(f"Diffraction {table.stem}")
+            new.node_tree.nodes.clear()
+        made[old] = material.apply(new, table, settings, lamps)
+    if ob.material_slots:
+        ob.active_material = made[old]
+    else:
+        ob.data.materials.append(made[old])
+
+
+CLASSES = (DIFFRACTION_OT_apply_material,)

@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where scans and tables are kept: beside the .blend, or in the user's folder while it has none."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import bpy
+
+
+def data_folder() -> Path:
+    """``diffraction/`` beside the .blend; for an unsaved file a folder of the extension's own. Not made here."""
+    if bpy.data.filepath:
+        return Path(bpy.path.abspath("//diffraction"))
+    package = __package__.rpartition(".")[0]
+    if package.startswith("bl_ext."):
+        return Path(bpy.utils.extension_path_user(package, path="tables"))
+    return Path(bpy.utils.user_resource("DATAFILES", path="diffraction_shader"))
+
+
+def absolute(path: str) -> Path:
+    """Absolute path of one that may begin with ``//``."""
+    return Path(bpy.path.abspath(path))
+
+
+def relative(path: Path) -> str:
+    """``//`` path where the .blend has a folder and the file lies on the same drive, else the absolute path."""
+    if not bpy.data.filepath:
+        return str(path)
+    try:
+        return bpy.path.relpath(str(path)).replace(os.sep, "/")
+    except ValueError:  # another drive
+        return str(path)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a scene remembers of its scan, its bake and the material's options."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+
+from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
+
+_LABELS = {
+    "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),
+    "single": ("Single", "One coherence window in the middle of the patch: speckled, a larger table"),
+    "nodes": ("Nodes", "One transform at each node of kappa; the fastest"),
+    "chebyshev": ("Chebyshev", "Jacobi-Anger series"),
+    "taylor": ("Taylor", "The series of the thesis; needs the most terms"),
+    "none": ("None", "Heights as they are"),
+    "plane": ("Plane", "Take out the tilt"),
+    "poly2": ("Polynomial", "Take out tilt and bow (second order)"),
+    "D65": ("D65", "Daylight"),
+    "D50": ("D50", "Horizon light"),
+    "A": ("A", "Incandescent lamp"),
+    "E": ("E", "Equal energy"),
+    "FL11": ("FL11", "Narrow-band fluorescent lamp"),
+}
+
+
+def _items(names: tuple[str, ...]) -> list[tuple[str, str, str]]:
+    return [(name, *_LABELS.get(name, (name, ""))) for name in names]
+
+
+ENSEMBLE_ITEMS, SERIES_ITEMS, LEVEL_ITEMS, ILLUMINANT_ITEMS = map(_items, (ENSEMBLES, SERIES, LEVELS, ILLUMINANTS))
+
+FRESNEL_ITEMS = [
+    ("DIELECTRIC", "Dielectric", "Reflectance by the index of refraction (skin, horn, lacquer)"),
+    ("CONDUCTOR", "Conductor", "Reflectance by n and k (aluminium: discs)"),
+    ("NONE", "None", "Reflects everything"),
+]
+
+
+def sigma_s() -> FloatProperty:
+    """Standard deviation of the coherence window."""
+    return FloatProperty(
+        name="Coherence",
+        description="Standard deviation of the coherence window in micrometres; 0 takes the ensemble's default",
+        default=0.0, min=0.0, soft_max=50.0, precision=2,
+    )  # fmt: skip
+
+
+def ensemble() -> EnumProperty:
+    """How windows are averaged."""
+    return EnumProperty(name="Ensemble", description="How coherence windows are averaged", items=ENSEMBLE_ITEMS)
+
+
+def series() -> EnumProperty:
+    """How the phase is transformed."""
+    return EnumProperty(name="Series", description="How the phase is transformed", items=SERIES_ITEMS)
+
+
+def tolerance() -> FloatProperty:
+    """Error that the series may leave."""
+    return FloatProperty(
+        name="Tolerance", description="Largest error that the series may leave",
+        default=1e-4, min=1e-8, max=0.1, precision=6,
+    )  # fmt: skip
+
+
+def level() -> EnumProperty:
+    """Levelling."""
+    return EnumProperty(
+        name="Levelling", description="What to take out of the heights", items=LEVEL_ITEMS, default="poly2"
+    )
+
+
+def clip_percent() -> FloatProperty:
+    """Dust clip."""
+    return FloatProperty(
+        name="Keep", description="Middle percent of the heights to keep (99.9 clips dust); 0 keeps all",
+        default=0.0, min=0.0, max=100.0, precision=2,
+    )  # fmt: skip
+
+
+def illuminant() -> EnumProperty:
+    """Light whose spectrum is baked in."""
+    return EnumProperty(name="Illuminant", description="Spectrum of the light", items=ILLUMINANT_ITEMS)
+
+
+def limit_mb() -> IntProperty:
+    """Largest table."""
+    return IntProperty(
+        name="Limit", description="Largest table to bake, in megabytes of texels", default=1024, min=1, soft_max=8192
+    )
+
+
+def ior() -> FloatProperty:
+    """Index of refraction."""
+    return FloatProperty(
+        name="IOR", description="Index of refraction of the surface (keratin 1.55)", default=1.55, min=1.0, soft_max=3.0
+    )
+
+
+class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
+    """State of the panel, saved with the scene."""
+
+    scan_path: StringProperty(name="Scan", description="The scan, stored as .gsf")
+    source_path: StringProperty(name="Source", description="The file it was imported from")
+    source_sha256: StringProperty()
+    reading: StringProperty(description="How the source is read, as JSON")
+    scan_info: StringProperty()
+    table_path: StringProperty(name="Table", description="The baked table", subtype="FILE_PATH")
+    table_info: StringProperty()
+    message: StringProperty(description="What the last operation had to say", options={"SKIP_SAVE"})
+
+    sigma_s_um: sigma_s()
+    ensemble: ensemble()
+    series: series()
+    tolerance: tolerance()
+    level: level()
+    clip_percent: clip_percent()
+    illuminant: illuminant()
+    limit_mb: limit_mb()
+
+    fresnel: EnumProperty(name="Fresnel", description="How much the surface reflects", items=FRESNEL_ITEMS)
+    ior: ior()
+    conserve_energy: BoolProperty(
+        name="Conserve Energy",
+        description="Keep the reflected light from passing the incoming light at grazing angles",
+        default=True,
+    )
+    rotation: FloatProperty(
+        name="Rotation", description="Turn of the scan on the surface", subtype="ANGLE", default=0.0,
+        soft_min=-math.pi, soft_max=math.pi,
+    )  # fmt: skip
+
+    progress: FloatProperty(default=-1.0, options={"SKIP_SAVE"})
+    progress_text: StringProperty(options={"SKIP_SAVE"})
+
+
+CLASSES = (DIFFRACTION_PG_scene,)
+
+
+def register() -> None:
+    """Attach the group to scenes."""
+    bpy.types.Scene.diffraction = PointerProperty(type=DIFFRACTION_PG_scene)
+
+
+def unregister() -> None:
+    """Detach it; values stay in the files."""
+    del bpy.types.Scene.diffraction
