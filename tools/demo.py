@@ -60,6 +60,7 @@ def sample_scene():
     """The module that builds the sample scene; it is no part of the extension."""
     spec = importlib.util.spec_from_file_location("build_scene", ROOT / "sample_blend" / "build_scene.py")
     module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # its dataclasses look themselves up
     spec.loader.exec_module(module)
     return module
 
@@ -110,7 +111,7 @@ def run(arguments, out, user):
         install(bpy, path)
 
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=False)
-    skin = sample_scene().build_scene()
+    sample_scene().build_scene()  # selects the body
     bpy.ops.wm.save_as_mainfile(filepath=str(out / "snake.blend"))  # scan and table are kept beside it
     with step(f"Importing {scan.name}"):
         given = {}
@@ -121,9 +122,6 @@ def run(arguments, out, user):
         operate(bpy.ops.diffraction.import_scan, filepath=str(scan.resolve()), **given)
     with step("Baking"):
         operate(bpy.ops.diffraction.bake)
-    bpy.ops.object.select_all(action="DESELECT")
-    for ob in skin:
-        ob.select_set(True)
     operate(bpy.ops.diffraction.apply_material, fresnel="DIELECTRIC")
     bpy.context.preferences.filepaths.save_version = 0
     bpy.ops.wm.save_mainfile()
