@@ -109,7 +109,9 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     source_sha256: StringProperty()
     reading: StringProperty(description="How the source is read, as JSON")
     scan_info: StringProperty()
-    table_path: StringProperty(name="Table", description="The baked table", subtype="FILE_PATH")
+    table_path: StringProperty(
+        name="Table", description="The baked table", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
+    )
     table_info: StringProperty()
     message: StringProperty(description="What the last operation had to say", options={"SKIP_SAVE"})
 

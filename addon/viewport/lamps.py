@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps as the viewport's shader takes them: radiant quantities as Cycles derives them from the light data."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from .. import lights
+from ..osl import LAMP_KINDS, LAMPS_MAX
+
+#: Directions (in the view's axes) and strengths of the lamps that stand in where a scene has none.
+_STUDIO = (((-0.4, 0.5, 0.75), 3.0), ((0.8, 0.25, 0.55), 1.5), ((0.1, -0.7, 0.7), 0.8))
+
+
+def scene_rows(depsgraph: bpy.types.Depsgraph, shown: set[str] | None = None) -> np.ndarray:
+    """``(n, 6, 4)`` rows of the scene's lamps, at most ``LAMPS_MAX``.
+
+    Parameters
+    ----------
+    depsgraph
+        Evaluated.
+    shown
+        Names of the lamps to take; None takes all that a render takes.
+    """
+    found = []
+    for lamp in lights.lamp_objects(depsgraph.scene.original)[:LAMPS_MAX]:
+        if shown is not None and lamp.name_full not in shown:
+            continue
+        rows = lamp_rows(lamp.evaluated_get(depsgraph))
+        if rows is not None:
+            found.append(rows)
+    return np.array(found, np.float32).reshape(-1, 6, 4)
+
+
+def lamp_rows(ob: bpy.types.Object) -> np.ndarray | None:
+    """``(6, 4)`` rows of an evaluated lamp: place + kind, two half axes, normal, colour + size, extra; None if dark.
+
+    With P the power in watts: a ball has the intensity P / 4 pi, an area lamp of area A the radiance P / (pi A),
+    a sun the irradiance of its strength. Without "normalize" the radiance is P / pi whatever the size. Light
+    nodes are not evaluated.
+    """
+    lamp, light = lights.describe(ob), ob.data
+    power = np.array(lamp.colour) * lamp.energy
+    normalised = getattr(light, "normalize", True)
+    if not power.any():
+        return None
+    rows = np.zeros((6, 4))
+    rows[0] = *lamp.place, LAMP_KINDS[lamp.kind]
+    rows[3, :3] = lamp.direction
+    if lamp.kind == "SUN":
+        rows[0, :3] /= np.linalg.norm(rows[0, :3])
+        radius = 0.5 * lamp.size[0]
+        if not normalised and radius > 0.0:
+            power = power * (math.pi * math.sin(radius) ** 2)
+        rows[4] = *power, radius
+    elif lamp.kind == "BALL":
+        radius = lamp.size[0]
+        intensity = power / (4.0 * math.pi)
+        if not normalised:
+            intensity = power / math.pi * (math.pi * radius**2 if radius > 0.0 else 1.0)
+        rows[4] = *intensity, radius
+        rows[5, 2] = float(getattr(light, "use_soft_falloff", True))
+        if lamp.type == "SPOT":
+            rows[1:4, :3] = [axis / max(axis.length_squared, 1e-18) for axis in _axes(ob)]
+            rows[3, :3] *= 1.0
+            cosine = math.cos(0.5 * lamp.spot_angle)
+            rows[5, :2] = cosine, 1.0 / max((1.0 - cosine) * lamp.spot_blend, 1e-6)
+            rows[1, 3] = 1.0
+    else:
+        half_u = 0.5 * lamp.size[0] * np.array(lamp.axis_u)
+        half_v = 0.5 * lamp.size[1] * np.array(lamp.axis_v)
+        area = np.linalg.norm(np.cross(half_u, half_v)) * (math.pi if lamp.kind == "ELLIPSE" else 4.0)
+        rows[1, :3], rows[2, :3] = half_u, half_v
+        rows[4, :3] = power / math.pi
+        # colour x normal.w is the radiance times the area.
+        rows[3, 3] = 1.0 if normalised else area
+        half_spread = 0.5 * light.spread
+        if half_spread < 0.5 * math.pi - 1e-4:
+            rows[5, :2] = math.tan(half_spread), 1.0 / (math.tan(half_spread) - half_spread)
+    return rows
+
+
+def _axes(ob: bpy.types.Object) -> tuple[Vector, Vector, Vector]:
+    """Axes of an object in world space, as long as it is scaled."""
+    return tuple(ob.matrix_world.col[i].xyz for i in range(3))
+
+
+def studio_rows(view: np.ndarray) -> np.ndarray:
+    """``(3, 6, 4)`` rows of three soft suns that stand still with regard to the viewer.
+
+    Parameters
+    ----------
+    view
+        ``(4, 4)`` view matrix.
+    """
+    to_world = np.linalg.inv(np.asarray(view, float))[:3, :3]
+    rows = np.zeros((len(_STUDIO), 6, 4), np.float32)
+    for row, (direction, strength) in zip(rows, _STUDIO, strict=True):
+        world = to_world @ np.array(direction)
+        row[0] = *(world / np.linalg.norm(world)), LAMP_KINDS["SUN"]
+        row[4] = strength, strength, strength, 0.02
+    return rows
