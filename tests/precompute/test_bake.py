@@ -216,7 +216,7 @@ def test_coarse_flat_patch_has_no_false_orders():
 
 @pytest.mark.slow
 def test_coarse_scan_has_its_peak_in_the_mirror(scan_dir):
-    """The chip's side walls send some light elsewhere, but without interpolation a false order is 12 times the mirror."""
+    """Side walls send some light elsewhere; without interpolation a false order is 12 times the mirror."""
     x, y, luminance = mirror_map(bake(read_scan(scan_dir / "chip_80um.gsf"), BakeParameters(detail=0.5)))
     row, col = np.unravel_index(luminance.argmax(), luminance.shape)
     assert (x[row, col], y[row, col]) == pytest.approx((0.0, 0.0), abs=0.03)
