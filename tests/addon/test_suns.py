@@ -161,8 +161,6 @@ def test_sphere_with_the_table_of_the_snake_preset(blender, tmp_path):
     scenes.add_sun(direction)
     scenes.add_camera((0.2, 0.1, 1.0))
     diffracting(sphere, tmp_path / "snake.exr", fresnel="DIELECTRIC", ior=1.55)
-    truth, good = expected(
-        sphere, table, [direction], 96, reflectance=lambda wi, wr: radiance.schlick(1.55, wi, wr)
-    )
+    truth, good = expected(sphere, table, [direction], 96, reflectance=lambda wi, wr: radiance.schlick(1.55, wi, wr))
     assert good.sum() > 1000
     assert_images_agree(scenes.render(), truth, 0.01, where=good, name="snake")
