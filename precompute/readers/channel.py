@@ -64,7 +64,7 @@ class Channel:
 
 #: Names of height channels, best first: the sensor's own height beats the drive voltage's.
 _HEIGHT_NAMES = (
-    r"^z ?sensor|^height ?\(?sensor|^measured ?height|^height ?measured",
+    r"^z[- ]?(axis ?)?sensor|^height ?\(?sensor|^measured ?height|^height ?\(?measured",
     r"^(topo|topography|height|z[- ]?axis|z height)\b|^height",
     r"topo|height|z[ -]?sensor|^z\b",
 )

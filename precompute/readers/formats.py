@@ -13,6 +13,7 @@ from pathlib import Path
 
 from ..errors import ScanError
 from .channel import Channel
+from .tiff_tags import first_tags
 
 _HEAD_BYTES = 4096
 
@@ -32,7 +33,7 @@ class Format:
     magic
         First bytes of a file; empty where the extension alone decides.
     claims
-        A closer look for formats that share their first bytes: gets the first 4 KiB.
+        A closer look for formats that share their first bytes: gets the path and the first 4 KiB.
     plain
         True for pictures, which carry neither size nor height range.
     """
@@ -42,7 +43,7 @@ class Format:
     module: str
     function: str
     magic: tuple[bytes, ...] = ()
-    claims: Callable[[bytes], bool] | None = None
+    claims: Callable[[Path, bytes], bool] | None = None
     plain: bool = False
 
     def read(self, path: Path) -> list[Channel]:
@@ -50,18 +51,51 @@ class Format:
         module = importlib.import_module(f".{self.module}", __package__)
         return getattr(module, self.function)(path)
 
-    def matches_magic(self, head: bytes) -> bool:
-        """Whether the first bytes are this format's."""
+    def recognises(self, path: Path, head: bytes) -> bool:
+        """Whether the content is this format's."""
         if self.magic and not head.startswith(self.magic):
             return False
         if self.claims is not None:
-            return self.claims(head)
+            return self.claims(path, head)
         return bool(self.magic)
 
 
+def _is_park(path: Path, head: bytes) -> bool:
+    return 50432 in first_tags(path)
+
+
+def _is_jpk(path: Path, head: bytes) -> bool:
+    return {0x8000, 0x8042} <= first_tags(path)
+
+
+def _is_wsxm(path: Path, head: bytes) -> bool:
+    return b"SxM Image file" in head[:200]
+
+
+def _is_opd(path: Path, head: bytes) -> bool:
+    return head[2:11] == b"Directory"
+
+
+def _is_x3p(path: Path, head: bytes) -> bool:
+    return path.suffix.lower() == ".x3p"
+
+
+#: Most specific first: a Park TIFF is also a plain TIFF.
 FORMATS: tuple[Format, ...] = (
     Format("gsf", (".gsf",), "gsf", "read_gsf", (b"Gwyddion Simple Field 1.0\n",)),
     Format("gwy", (".gwy",), "gwy", "read_gwy", (b"GWYO", b"GWYP")),
+    Format("nanoscope", (".spm", ".di", ".001"), "nanoscope", "read_nanoscope", (b"\\*File list", b"?*File list")),
+    Format("igor", (".ibw",), "igor", "read_ibw"),
+    Format("x3p", (".x3p",), "x3p", "read_x3p", (b"PK\x03\x04",), _is_x3p),
+    Format("nanosurf", (".nid", ".ezd"), "nanosurf", "read_nid", (b"[DataSet]",)),
+    Format("park", (".tiff", ".tif"), "park", "read_park", (b"II*\0", b"MM\0*"), _is_park),
+    Format("jpk", (".jpk",), "jpk", "read_jpk", (b"II*\0", b"MM\0*"), _is_jpk),
+    Format("wsxm", (".stp", ".top", ".cur", ".tom"), "wsxm", "read_wsxm", (b"WSxM file copyright",), _is_wsxm),
+    Format("nanonis", (".sxm",), "nanonis", "read_sxm", (b":NANONIS_VERSION:",)),
+    Format("sur", (".sur",), "digital_surf", "read_sur", (b"DIGITAL SURF", b"DSCOMPRESSED")),
+    Format("sdf", (".sdf",), "sdf", "read_sdf", (b"aISO-1.0", b"bISO-1.0")),
+    Format("opd", (".opd",), "opd", "read_opd", (), _is_opd),
+    Format("plu", (".plu", ".apx"), "plu", "read_plu"),
     Format("exr", (".exr",), "image", "read_exr", (b"\x76\x2f\x31\x01",), plain=True),
     Format("png", (".png",), "image", "read_png", (b"\x89PNG\r\n\x1a\n",), plain=True),
     Format("jpeg", (".jpg", ".jpeg"), "image", "read_png", (b"\xff\xd8\xff",), plain=True),
@@ -82,12 +116,12 @@ def find_format(path: Path) -> Format:
     with open(path, "rb") as file:
         head = file.read(_HEAD_BYTES)
     for form in FORMATS:
-        if form.matches_magic(head):
+        if form.recognises(path, head):
             return form
     extension = path.suffix.lower()
     for form in FORMATS:
         if extension in form.extensions:
-            if form.magic:
+            if form.magic or form.claims:
                 raise ScanError(f"The name says {extension} but the content does not; check the file or its extension.")
             return form
     known = " ".join(sorted({extension for form in FORMATS for extension in form.extensions}))

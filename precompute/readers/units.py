@@ -15,7 +15,6 @@ _NAMES = {
     "micrometre": 1e-6,
     "nanometer": 1e-9,
     "nanometre": 1e-9,
-    "a": 1e-10,
     "å": 1e-10,
     "ang": 1e-10,
     "angstrom": 1e-10,
@@ -28,7 +27,8 @@ _NAMES = {
 def metres_per(unit: str | None) -> float | None:
     """Metres in one ``unit``, or None where it is not a length.
 
-    Understands SI prefixes, the several letters that stand for micro, and Angstroem.
+    Understands SI prefixes, the several letters that stand for micro, and Angstroem; a plain ``A``
+    is the ampere of a current channel.
     """
     if unit is None:
         return None
