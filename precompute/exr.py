@@ -10,16 +10,21 @@ import numpy as np
 
 from .errors import TableError
 
+#: Header attribute that carries a text of ours.
+_TEXT = "diffractionShader"
 
-def write_half_rgb(path: str | Path, pixels: np.ndarray) -> None:
+
+def write_half_rgb(path: str | Path, pixels: np.ndarray, text: str = "") -> None:
     """Write ``(height, width, 3)`` float16 pixels; row 0 of the array is the *bottom* of the picture.
+
+    ``text`` goes into the header, so that pixels and description appear in one file at one moment.
 
     Uncompressed: half-float speckle hardly shrinks, and both writing and a renderer's
     loading are several times faster.
     """
     import OpenEXR
 
-    header = {"compression": OpenEXR.NO_COMPRESSION, "type": OpenEXR.scanlineimage}
+    header = {"compression": OpenEXR.NO_COMPRESSION, "type": OpenEXR.scanlineimage, _TEXT: text}
     channels = {"RGB": np.ascontiguousarray(pixels[::-1], np.float16)}
     with OpenEXR.File(header, channels) as image:
         image.write(os.fspath(path))
@@ -41,3 +46,21 @@ def read_half_rgb(path: str | Path) -> np.ndarray:
     except Exception as error:  # the library raises bare exceptions of several kinds
         raise TableError(f"{Path(path).name} cannot be read as an RGB EXR image; bake the scan again.") from error
     return np.ascontiguousarray(pixels[::-1], np.float16)
+
+
+def read_text(path: str | Path) -> str:
+    """The text that :func:`write_half_rgb` put into the header; empty where there is none.
+
+    Raises
+    ------
+    TableError
+        If the file is no readable EXR.
+    """
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(os.fspath(path), header_only=True) as image:
+            text = image.header().get(_TEXT, "")
+    except Exception as error:  # the library raises bare exceptions of several kinds
+        raise TableError(f"{Path(path).name} cannot be read as an EXR image; bake the scan again.") from error
+    return text if isinstance(text, str) else ""

@@ -14,7 +14,7 @@ import numpy as np
 from .atomic import atomic_path
 from .constants import TABLE_FORMAT_VERSION
 from .errors import TableError
-from .exr import read_half_rgb, write_half_rgb
+from .exr import read_half_rgb, read_text, write_half_rgb
 from .layout import TableLayout
 
 
@@ -98,8 +98,9 @@ class SpectralTable:
     def save(self, path: str | Path) -> Path:
         """Write ``path`` (``.exr``) and its ``.json`` sidecar, each atomically.
 
-        The sidecar is written last and names the atlas by its hash, so a table that was
-        interrupted between the two is recognised as such.
+        The atlas carries the sidecar's text in its header. A process that dies between the two files
+        leaves a new atlas beside an old sidecar; :func:`read_sidecar` sees that by the atlas' hash and
+        takes the header's, so a reader meets the old table or the new one, never a mixture.
 
         Returns
         -------
@@ -112,18 +113,17 @@ class SpectralTable:
             If the folder cannot be written.
         """
         path = Path(path).with_suffix(".exr")
-        with atomic_path(path) as temporary:
-            write_half_rgb(temporary, self.atlas)
-            digest = _sha256(temporary)
         sidecar = {
             "format_version": TABLE_FORMAT_VERSION,
             "layout": self.layout.to_dict(),
-            "atlas": {"file": path.name, "sha256": digest},
+            "atlas": {"file": path.name, "sha256": _pixels_sha256(self.atlas)},
             **self.info,
         }
-        text = json.dumps(sidecar, indent=1, sort_keys=True, allow_nan=False)
+        text = json.dumps(sidecar, indent=1, sort_keys=True, allow_nan=False) + "\n"
+        with atomic_path(path) as temporary:
+            write_half_rgb(temporary, self.atlas, text)
         with atomic_path(path.with_suffix(".json")) as temporary:
-            Path(temporary).write_text(text + "\n", encoding="utf-8")
+            Path(temporary).write_text(text, encoding="utf-8", newline="\n")
         return path
 
     @classmethod
@@ -138,42 +138,54 @@ class SpectralTable:
         path = Path(path).with_suffix(".exr")
         sidecar = read_sidecar(path)
         layout = TableLayout.from_dict(sidecar["layout"])
-        if not path.is_file():
-            raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
-        if verify and _sha256(path) != sidecar["atlas"].get("sha256"):
-            raise TableError(f"{path.name} and its sidecar do not belong together; bake the scan again.")
         atlas = read_half_rgb(path)
+        if verify and _pixels_sha256(atlas) != sidecar["atlas"].get("sha256"):
+            raise TableError(f"{path.name} is damaged or has another table's sidecar; bake the scan again.")
         if atlas.shape != (layout.height, layout.width, 3):
             raise TableError(f"{path.name} has not the size that its sidecar names; bake the scan again.")
         return cls(layout, atlas, {k: v for k, v in sidecar.items() if k not in ("format_version", "layout", "atlas")})
 
 
 def read_sidecar(path: str | Path) -> dict[str, Any]:
-    """The JSON sidecar of a table (path of either file), its version checked.
+    """The sidecar of a table (path of either file), its version checked.
 
     Raises
     ------
     TableError
-        If it is missing, not JSON, or of another format version.
+        If a file is missing, the sidecar is no JSON or of another format version, or the atlas is no EXR.
     """
     path = Path(path).with_suffix(".json")
+    atlas = path.with_suffix(".exr")
     try:
-        sidecar = json.loads(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
     except FileNotFoundError as error:
         raise TableError(f"The table's sidecar {path} does not exist; bake the scan again.") from error
-    except (OSError, ValueError, RecursionError) as error:
+    except (OSError, ValueError) as error:
         raise TableError(f"The table's sidecar {path} cannot be read; bake the scan again.") from error
+    sidecar = _parse(text, path.name)
+    if not atlas.is_file():
+        raise TableError(f"The table's atlas {atlas} does not exist; bake the scan again.")
+    inside = read_text(atlas)
+    # A bake that ended between its two files left the older sidecar.
+    return _parse(inside, atlas.name) if inside and inside != text else sidecar
+
+
+def _parse(text: str, name: str) -> dict[str, Any]:
+    """A sidecar's text as a dict of this format version."""
+    try:
+        sidecar = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise TableError(f"The table's sidecar {name} is no JSON; bake the scan again.") from error
     version = sidecar.get("format_version") if isinstance(sidecar, dict) else None
     if version != TABLE_FORMAT_VERSION:
         raise TableError(
-            f"{path.name} is a table of format version {version}, this release reads version {TABLE_FORMAT_VERSION};"
+            f"{name} is a table of format version {version}, this release reads version {TABLE_FORMAT_VERSION};"
             " bake the scan again."
         )
     if not isinstance(sidecar.get("layout"), dict) or not isinstance(sidecar.get("atlas"), dict):
-        raise TableError(f"The table's sidecar {path.name} lacks its layout; bake the scan again.")
+        raise TableError(f"The table's sidecar {name} lacks its layout; bake the scan again.")
     return sidecar
 
 
-def _sha256(path: str | Path) -> str:
-    with open(path, "rb") as stream:
-        return hashlib.file_digest(stream, "sha256").hexdigest()
+def _pixels_sha256(atlas: np.ndarray) -> str:
+    return hashlib.sha256(np.ascontiguousarray(atlas, "<f2").data).hexdigest()
