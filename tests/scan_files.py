@@ -259,7 +259,9 @@ def nanonis(heights, size, downwards=False, missing=None):
         "\t0\tCurrent\tA\tboth\t1.0E-9\t0.0E+0\n\t14\tZ\tm\tboth\t1.0E-9\t0.0E+0\n\n:SCANIT_END:\n\n\n"
     )
     zeros = np.zeros_like(values).tobytes()
-    return head.encode() + b"\x1a\x04" + zeros + zeros + values.tobytes() + (values[:, ::-1] * 2).astype(">f4").tobytes()
+    return (
+        head.encode() + b"\x1a\x04" + zeros + zeros + values.tobytes() + (values[:, ::-1] * 2).astype(">f4").tobytes()
+    )
 
 
 def igor(heights, size, order="<"):
@@ -307,7 +309,7 @@ def x3p(heights, size, missing=None, kind="D", xml=X3P_XML):
         archive.writestr("main.xml", main)
         archive.writestr("bindata/data.bin", raw)
         if missing is not None:
-            archive.writestr("bindata/valid.bin", np.packbits(~missing[::-1].ravel()).tobytes())
+            archive.writestr("bindata/valid.bin", np.packbits(~missing[::-1].ravel(), bitorder="little").tobytes())
     return file.getvalue()
 
 

@@ -229,7 +229,7 @@ class _Sentences:
             return
         if isinstance(error, DiffractionError):
             # The reader does not know the name; the user with ten files wants it.
-            raise type(error)(f"{self._path.name}: {error}") from error
+            raise type(error)(" ".join(f"{self._path.name}: {error}".split())) from error
         if isinstance(error, ImportError):
             missing = error.name or "a library"
             raise ScanError(

@@ -56,10 +56,20 @@ class Channel:
     unit: str | None
     load: Callable[[], Samples]
 
+    def __post_init__(self) -> None:
+        # A damaged file may call a channel anything; menus and messages get printable words.
+        object.__setattr__(self, "name", _printable(self.name) or "Channel")
+        if self.unit is not None:
+            object.__setattr__(self, "unit", _printable(self.unit))
+
     @property
     def label(self) -> str:
         """Name and unit, for messages and menus."""
         return f"{self.name} [{self.unit}]" if self.unit else self.name
+
+
+def _printable(word: str) -> str:
+    return "".join(letter if letter.isprintable() else " " for letter in word).strip()[:80]
 
 
 #: Names of height channels, best first: the sensor's own height beats the drive voltage's.

@@ -83,7 +83,11 @@ def _matrix(archive: zipfile.ZipFile, root: ElementTree.Element, kind: str, rows
 def _bits(raw: bytes, rows: int, cols: int) -> np.ndarray:
     if 8 * len(raw) < rows * cols:
         raise ScanError(ENDS_EARLY)
-    return np.unpackbits(np.frombuffer(raw, np.uint8), count=rows * cols).reshape(rows, cols).astype(bool)
+    return (
+        np.unpackbits(np.frombuffer(raw, np.uint8), count=rows * cols, bitorder="little")
+        .reshape(rows, cols)
+        .astype(bool)
+    )
 
 
 def _member(archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
