@@ -220,6 +220,14 @@ def test_16_bit_tiff(tmp_path, photometric):
     _check_grey(tmp_path / "scan.tif")
 
 
+@pytest.mark.parametrize("compression", ["tiff_lzw", "tiff_adobe_deflate", "packbits"])
+def test_compressed_tiff(tmp_path, compression):
+    from PIL import Image
+
+    Image.fromarray(GREY8.astype(np.uint16) * 257).save(tmp_path / "scan.tif", compression=compression)
+    _check_grey(tmp_path / "scan.tif")
+
+
 def test_float_tiff(tmp_path):
     import tifffile
 
