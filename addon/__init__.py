@@ -3,9 +3,9 @@
 
 
 def _parts():
-    from . import handlers, operators, panels, properties
+    from . import handlers, operators, panels, properties, viewport
 
-    return properties, operators, panels, handlers
+    return properties, operators, panels, handlers, viewport
 
 
 def register() -> None:

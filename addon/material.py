@@ -8,10 +8,11 @@ from pathlib import Path
 
 import bpy
 
+from ..precompute import importance
 from ..precompute.colour import xyz_to_rgb_matrix
 from ..precompute.errors import TableError
 from ..precompute.layout import TableLayout
-from ..precompute.table import read_sidecar
+from ..precompute.table import SpectralTable, read_sidecar
 from . import frame, lights, osl, paths, script_node
 
 #: Name of the node that holds a material's diffraction.
@@ -21,7 +22,7 @@ NODE = "Diffraction"
 TABLE_KEY = "diffraction_table"
 
 #: Sockets that an artist turns while looking.
-LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "DiffuseLimit", "Cone")
+LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Environment", "DiffuseLimit", "Cone")
 
 #: Pigment under a material that had no shader of its own: the colours show over a dark ground only.
 DARK = (0.012, 0.010, 0.009, 1.0)
@@ -45,6 +46,9 @@ class Settings:
         Of the scan about the normal, radians.
     brightness
         Factor on the diffracted light.
+    environment
+        Random mirrors a sample that look into the environment; 0 leaves only lamps, more cost more and
+        have less noise.
     """
 
     fresnel: str = "DIELECTRIC"
@@ -53,6 +57,7 @@ class Settings:
     uv_map: str = ""
     rotation: float = 0.0
     brightness: float = 1.0
+    environment: int = 1
 
 
 def is_ours(material: bpy.types.Material | None) -> bool:
@@ -95,6 +100,15 @@ def atlas_image(path: Path) -> bpy.types.Image:
     return image
 
 
+def importance_image(path: Path, atlas_sha256: str) -> bpy.types.Image:
+    """The image that directs rays into the environment, beside the table; made anew for a new table."""
+    target = path.with_name(f"{path.stem}.importance.exr")
+    if importance.made_from(target) != atlas_sha256:
+        found = importance.importance(SpectralTable.load(path))
+        importance.save_importance(found.image(), target, atlas_sha256)
+    return atlas_image(target)
+
+
 def apply(
     material: bpy.types.Material, table: str | Path, settings: Settings, lamps: list[bpy.types.Object]
 ) -> bpy.types.Material:
@@ -128,6 +142,7 @@ def apply(
     script_node.fill(node, text)
     node.label = f"Diffraction: {path.stem}"
     node.inputs["Atlas"].default_value = image.filepath
+    node.inputs["Importance"].default_value = importance_image(path, sidecar["atlas"]["sha256"]).filepath
     _connect(material, node, settings)
     set_settings(node, settings)
     set_working_space(node, sidecar["colour"]["illuminant"])
@@ -147,6 +162,7 @@ def set_settings(node: bpy.types.Node, settings: Settings) -> None:
     node.inputs["ConserveEnergy"].default_value = int(settings.conserve_energy)
     node.inputs["Rotation"].default_value = settings.rotation
     node.inputs["Brightness"].default_value = settings.brightness
+    node.inputs["Environment"].default_value = settings.environment
 
 
 def set_working_space(node: bpy.types.Node, illuminant: str) -> None:
@@ -168,6 +184,7 @@ def settings_of(material: bpy.types.Material) -> Settings:
         uv_map=tangent.uv_map if tangent is not None else "",
         rotation=inputs["Rotation"].default_value,
         brightness=inputs["Brightness"].default_value,
+        environment=inputs["Environment"].default_value,
     )
 
 

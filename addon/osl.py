@@ -5,12 +5,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..precompute.importance import N_PHI, N_R, N_SLICES
 from ..precompute.layout import TableLayout
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
 #: In the order in which they use each other.
-PARTS = ("table.osl", "brdf.osl", "lamps.osl", "diffraction.osl")
+PARTS = ("table.osl", "brdf.osl", "lamps.osl", "importance.osl", "diffraction.osl")
 
 #: Lamps a material can follow; each has five sockets, see ``shaders/diffraction.osl``.
 LAMPS_MAX = 16
@@ -38,6 +39,8 @@ def source(layout: TableLayout, albedo_max: float) -> str:
     numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
     numbers["LAMPS_MAX"] = LAMPS_MAX
+    numbers["IMPORTANCE_N_SLICES"], numbers["IMPORTANCE_N_R"], numbers["IMPORTANCE_N_PHI"] = N_SLICES, N_R, N_PHI
+    numbers["IMPORTANCE_WIDTH"], numbers["IMPORTANCE_HEIGHT"] = max(N_R, N_PHI), N_SLICES * (N_R + 1)
     numbers.update({f"FRESNEL_{name}": value for name, value in FRESNEL.items()})
     numbers.update({f"LAMP_{name}": value for name, value in LAMP_KINDS.items()})
     defines = "".join(f"#define {name} {value!r}\n" for name, value in sorted(numbers.items()))

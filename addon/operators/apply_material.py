@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
 from .. import lights, material, paths, properties, setup
@@ -27,6 +27,11 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     conserve_energy: BoolProperty(name="Conserve Energy", default=True)
     uv_map: StringProperty(name="UV Map", description="Whose tangent is the scan's x; empty takes the active one")
     rotation: FloatProperty(name="Rotation", description="Turn of the scan on the surface", subtype="ANGLE")
+
+    environment: IntProperty(
+        name="Environment", description="Random mirrors a sample for world, emitters and bounce light; 0: lamps only",
+        default=1, min=0, max=8,
+    )  # fmt: skip
 
     @classmethod
     def poll(cls, context):
@@ -51,6 +56,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             conserve_energy=self.conserve_energy,
             uv_map=self.uv_map,
             rotation=self.rotation,
+            environment=self.environment,
         )
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
