@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -15,19 +16,22 @@ from .balance import balance
 from .colour import spectral_weights, white_xyz
 from .errors import ScanError, SizeLimitError
 from .heightfield import HeightField
-from .intensity import PolarIntensity
+from .intensity import PolarIntensity, workers
 from .layout import TableLayout
 from .parameters import BakeParameters
 from .plan import plan_layout
 from .prepare import prepare
 from .readers import read_scan
 from .series import bessel_order, chebyshev_nodes
-from .spectral_sum import spectral_slices
+from .spectral_sum import SpectralSum
 from .table import SpectralTable
 from .window import default_sigma_s
 
 #: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
 Progress = Callable[[str, float], None]
+
+#: Angles that go from the transforms to the spectral sum at a time; bounds the memory in between.
+_ANGLES_A_BLOCK = 96
 
 #: Texels are scaled to this largest value, well inside half floats (65504).
 _LARGEST_TEXEL = 30000.0
@@ -168,37 +172,21 @@ def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> Spe
     sigma_s = resolve_sigma_s(patch, parameters)
     layout = estimate(patch, parameters)
     stages.done("prepare")
-
-    stages.report("colour", 0.05)
-    wavelengths, weights = spectral_weights(illuminant=parameters.illuminant)
-    white = white_xyz(parameters.illuminant)
-    stages.done("colour")
-
-    polar = PolarIntensity(patch, sigma_s, parameters.ensemble, layout.angles, parameters.series, parameters.tolerance)
-    kappa_max = polar.series.kappa_max
-    count = bessel_order(kappa_max * polar.series.half_range, parameters.tolerance) + 1
-    nodes = chebyshev_nodes(kappa_max, max(count, 4))
-    intensity = np.empty((len(polar.frequencies), len(nodes), layout.n_phi), np.float32)
-    stages.done("plan")
-    for index, spectrum in enumerate(polar.series.amplitudes(nodes)):
-        stages.report("transforms", 0.1 + 0.5 * index / len(nodes))
-        smoothed = polar.smoothed(spectrum)
+    # colour-science takes longer to import than a transform takes: it loads while the transforms run.
+    with ThreadPoolExecutor(1) as background:
+        colours = background.submit(_colours, parameters.illuminant)
+        polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance)
+        kappa_max = polar.series.kappa_max
+        count = bessel_order(kappa_max * polar.series.half_range, parameters.tolerance) + 1
+        nodes = chebyshev_nodes(kappa_max, max(count, 4))
+        coefficients = polar.coefficients(nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
         stages.done("transforms")
-        intensity[:, index] = polar.polar(smoothed)
-        stages.done("polar grid")
+        wavelengths, weights, white = colours.result()
+        stages.done("colour")
 
-    transform = spectral_slices(
-        intensity,
-        polar.frequencies[1],
-        nodes,
-        kappa_max,
-        layout.radii,
-        layout.slices,
-        wavelengths,
-        weights,
-        lambda fraction: stages.report("spectral sum", 0.6 + 0.25 * fraction),
-    )
-    del intensity
+    total = SpectralSum(polar.frequencies, nodes, kappa_max, layout.radii, layout.slices, wavelengths, weights)
+    transform = _integrate(polar, coefficients, total, layout, stages)
+    del coefficients
     stages.done("spectral sum")
     stages.report("balance", 0.85)
     texels = balance(transform, layout)
@@ -232,6 +220,29 @@ def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> Spe
         "albedo_max": float(albedo.max()),
     }
     return SpectralTable(layout, atlas, info)
+
+
+def _integrate(
+    polar: PolarIntensity, coefficients: np.ndarray, total: SpectralSum, layout: TableLayout, stages: _Stages
+) -> np.ndarray:
+    """``(n_r, n_w, 3, n_phi)`` T in XYZ, block by block of angles."""
+    from threadpoolctl import threadpool_limits
+
+    transform = np.empty((layout.n_r, layout.n_w, 3, layout.n_phi), np.float32)
+    blocks = [slice(start, start + _ANGLES_A_BLOCK) for start in range(0, layout.n_phi, _ANGLES_A_BLOCK)]
+
+    def integrate(block: slice) -> None:
+        transform[..., block] = total.apply(polar.polar(coefficients, layout.angles[block]))
+
+    # One thread a block and one BLAS thread in each: these products are too small to be split further.
+    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(workers()) as pool:
+        for done, _ in enumerate(pool.map(integrate, blocks), 1):
+            stages.report("spectral sum", 0.55 + 0.29 * done / len(blocks))
+    return transform
+
+
+def _colours(illuminant: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return (*spectral_weights(illuminant=illuminant), white_xyz(illuminant))
 
 
 def assemble(texels: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tuple[TableLayout, np.ndarray]:

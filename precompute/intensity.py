@@ -12,13 +12,14 @@ Both ensembles are one formula: with the autocorrelation ``R(D)`` of ``p`` times
 Three things keep it cheap. Frequencies above 2 / lambda_min are never seen, so the spectrum
 is cropped to that band before anything else. ``m`` (or the window itself) ends the lags after
 a few sigma_s, so the last transform is small. And the cubic B-spline that reads the polar grid
-off the Cartesian one has its prefilter in the lag domain, where it is one multiplication.
+off the Cartesian one has its prefilter in the lag domain, where it is one multiplication, and
+its 16 weights a point are computed once for all kappa.
 """
 
 from __future__ import annotations
 
 import os
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,8 +104,6 @@ class PolarIntensity:
         Coherence window, metres.
     ensemble
         ``average`` or ``single``.
-    angles
-        ``(n_phi,)`` radians.
     series, tolerance
         See :class:`precompute.series.Series`.
 
@@ -119,7 +118,6 @@ class PolarIntensity:
         field: HeightField,
         sigma_s_m: float,
         ensemble: str,
-        angles: np.ndarray,
         series: str = "nodes",
         tolerance: float = 1e-4,
     ) -> None:
@@ -139,9 +137,6 @@ class PolarIntensity:
         step = RADIAL_STEP * lobe_width(sigma_s_m)
         count = int(np.ceil(W_MAX / WAVELENGTH_MIN_M / step)) + 4
         self.frequencies = step * np.arange(count)
-        fx = np.outer(self.frequencies, np.cos(angles)) / self.x.frequency_step
-        fy = np.outer(self.frequencies, np.sin(angles)) / self.y.frequency_step
-        self._coordinates = np.stack([fy, fx])
 
     def _spectrum(self, p: np.ndarray) -> np.ndarray:
         """sum p exp(+2 pi i f.x) over the pixels, on the band. Rows first, so that padding costs little."""
@@ -166,8 +161,29 @@ class PolarIntensity:
             weights.append(weight)
         return np.outer(weights[0], weights[1][: self.x.fine // 2 + 1]).astype(np.float32)
 
-    def smoothed(self, spectrum: np.ndarray) -> np.ndarray:
-        """B-spline coefficients of S on the fine Cartesian grid, frequency zero in the middle."""
+    def coefficients(self, kappas: np.ndarray, progress: Callable[[float], None] | None = None) -> np.ndarray:
+        """B-spline coefficients of S on the fine Cartesian grid, for every kappa.
+
+        Parameters
+        ----------
+        kappas
+            ``(n,)``, 1/m.
+        progress
+            Called with the fraction done.
+
+        Returns
+        -------
+        ndarray
+            ``(fine_y * fine_x, n)`` float32, frequency zero in the middle.
+        """
+        out = np.empty((self.y.fine * self.x.fine, len(kappas)), np.float32)
+        for index, spectrum in enumerate(self.series.amplitudes(kappas)):
+            out[:, index] = self._smoothed(spectrum).ravel()
+            if progress is not None:
+                progress((index + 1) / len(kappas))
+        return out
+
+    def _smoothed(self, spectrum: np.ndarray) -> np.ndarray:
         from scipy.fft import irfft2, rfft2
 
         threads = workers()
@@ -184,25 +200,40 @@ class PolarIntensity:
         fine = irfft2(small, (self.y.fine, self.x.fine), norm="forward", workers=threads, overwrite_x=True)
         return np.fft.fftshift(fine)
 
-    def polar(self, smoothed: np.ndarray) -> np.ndarray:
-        """Read ``(n_f, n_phi)`` values of S (m^2) off the B-spline coefficients."""
-        from scipy.ndimage import map_coordinates
+    def polar(self, coefficients: np.ndarray, angles: np.ndarray) -> np.ndarray:
+        """S on the polar grid.
 
-        centre = np.array([self.y.fine // 2, self.x.fine // 2], float).reshape(2, 1, 1)
-        threads = workers()
-        out = np.empty(self._coordinates.shape[1:], np.float32)
+        Parameters
+        ----------
+        coefficients
+            From :meth:`coefficients`.
+        angles
+            ``(m,)`` radians.
 
-        def part(rows: slice) -> None:
-            map_coordinates(
-                smoothed,
-                self._coordinates[:, rows] + centre,
-                output=out[rows],
-                order=3,
-                mode="grid-wrap",
-                prefilter=False,
-            )
+        Returns
+        -------
+        ndarray
+            ``(n_f, n, m)`` float32, m^2.
+        """
+        from scipy.sparse import csr_array
 
-        blocks = np.array_split(np.arange(len(out)), threads * 4)
-        with ThreadPoolExecutor(threads) as pool:
-            list(pool.map(lambda block: part(slice(block[0], block[-1] + 1)), [b for b in blocks if len(b)]))
-        return np.maximum(out * np.float32(self._factor), 0.0)
+        row, wy = _cubic_b_spline(np.outer(self.frequencies / self.y.frequency_step, np.sin(angles)).ravel())
+        col, wx = _cubic_b_spline(np.outer(self.frequencies / self.x.frequency_step, np.cos(angles)).ravel())
+        row = (row + self.y.fine // 2) % self.y.fine
+        col = (col + self.x.fine // 2) % self.x.fine
+        weights = (np.float32(self._factor) * wy[:, :, None] * wx[:, None, :]).reshape(-1)
+        indices = (row[:, :, None] * np.int32(self.x.fine) + col[:, None, :]).reshape(-1)
+        pointers = np.arange(0, len(weights) + 1, 16)
+        matrix = csr_array((weights, indices, pointers), shape=(len(row), len(coefficients)))
+        values = (matrix @ coefficients).reshape(len(self.frequencies), len(angles), -1)
+        return np.maximum(values.transpose(0, 2, 1), 0.0)
+
+
+def _cubic_b_spline(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Four indices (int32) and weights (float32) of the cubic B-spline at each position; shape ``(..., 4)``."""
+    first = np.floor(position)
+    t = (position - first).astype(np.float32)
+    u = np.float32(1.0) - t
+    weights = np.stack([u**3, 4 - 6 * t**2 + 3 * t**3, 4 - 6 * u**2 + 3 * u**3, t**3], axis=-1)
+    weights *= np.float32(1.0 / 6.0)
+    return first.astype(np.int32)[..., None] + np.arange(-1, 3, dtype=np.int32), weights

@@ -13,8 +13,6 @@ and the integral is ``M @ S``; no array is resampled.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from .series import node_weights
@@ -36,58 +34,68 @@ def cubic_lagrange(position: np.ndarray, count: int) -> tuple[np.ndarray, np.nda
     return first, weights
 
 
-def spectral_slices(
-    intensity: np.ndarray,
-    frequency_step: float,
-    nodes: np.ndarray,
-    kappa_max: float,
-    radii: np.ndarray,
-    slices: np.ndarray,
-    wavelengths: np.ndarray,
-    weights: np.ndarray,
-    progress: Callable[[float], None] | None = None,
-) -> np.ndarray:
-    """Integrate over wavelength for every slice, radius and angle.
+class SpectralSum:
+    """The integral over wavelength, prepared for one table and applied to blocks of angles.
 
     Parameters
     ----------
-    intensity
-        ``(n_f, n, n_phi)`` float32, S = lambda^2 T at radial frequencies and kappa nodes, m^2.
-    frequency_step
-        Step of the radial frequencies, 1/m.
+    frequencies
+        ``(n_f,)`` radial frequencies of the intensities, evenly spaced from 0, 1/m.
     nodes, kappa_max
-        Chebyshev nodes and the end of their interval, 1/m.
+        Chebyshev nodes of the intensities and the end of their interval, 1/m.
     radii
         ``(n_r,)`` radii sqrt(u^2 + v^2).
     slices
         ``(n_w,)`` values of |w|.
     wavelengths, weights
         ``(L,)`` metres and ``(L, 3)`` from :func:`precompute.colour.spectral_weights`.
-    progress
-        Called with the fraction done.
-
-    Returns
-    -------
-    ndarray
-        ``(n_r, n_w, 3, n_phi)`` float32, T in XYZ, 1/sr.
     """
-    count_f, count_n, n_phi = intensity.shape
-    n_w = len(slices)
-    # factors[(w, c, n), lambda]: everything that does not depend on the radius.
-    kappa = 2.0 * np.pi * slices[:, None] / wavelengths
-    lagrange = node_weights(nodes, kappa_max, kappa.ravel()).reshape(n_w, len(wavelengths), count_n)
-    factors = np.einsum("lc,wln->wcnl", weights / wavelengths[:, None] ** 2, lagrange)
-    factors = factors.reshape(-1, len(wavelengths)).astype(np.float32)
-    out = np.empty((len(radii), n_w * 3, n_phi), np.float32)
-    rows = np.arange(len(wavelengths))[:, None]
-    for i, r in enumerate(radii):
-        first, taps = cubic_lagrange(r / wavelengths / frequency_step, count_f)
-        low, high = int(first.min()), int(first.max()) + 4
-        radial = np.zeros((len(wavelengths), high - low), np.float32)
-        np.add.at(radial, (rows, first[:, None] - low + np.arange(4)), taps)
-        matrix = (factors @ radial).reshape(n_w * 3, count_n, high - low).transpose(0, 2, 1)
-        np.matmul(matrix.reshape(n_w * 3, -1), intensity[low:high].reshape(-1, n_phi), out=out[i])
-        if progress is not None and i % 16 == 0:
-            progress(i / len(radii))
-    np.maximum(out, 0.0, out=out)
-    return out.reshape(len(radii), n_w, 3, n_phi)
+
+    def __init__(
+        self,
+        frequencies: np.ndarray,
+        nodes: np.ndarray,
+        kappa_max: float,
+        radii: np.ndarray,
+        slices: np.ndarray,
+        wavelengths: np.ndarray,
+        weights: np.ndarray,
+    ) -> None:
+        self.n_w = len(slices)
+        # factors[(w, c, n), lambda]: everything that does not depend on the radius.
+        kappa = 2.0 * np.pi * slices[:, None] / wavelengths
+        lagrange = node_weights(nodes, kappa_max, kappa.ravel()).reshape(self.n_w, len(wavelengths), len(nodes))
+        factors = np.einsum("lc,wln->wcnl", weights / wavelengths[:, None] ** 2, lagrange)
+        factors = factors.reshape(-1, len(wavelengths)).astype(np.float32)
+        rows = np.arange(len(wavelengths))[:, None]
+        #: First frequency and matrix ``(n_w * 3, (f, n))`` of each radius.
+        self.matrices: list[tuple[int, np.ndarray]] = []
+        for r in radii:
+            first, taps = cubic_lagrange(r / wavelengths / frequencies[1], len(frequencies))
+            low, high = int(first.min()), int(first.max()) + 4
+            radial = np.zeros((len(wavelengths), high - low), np.float32)
+            np.add.at(radial, (rows, first[:, None] - low + np.arange(4)), taps)
+            matrix = (factors @ radial).reshape(self.n_w * 3, len(nodes), high - low).transpose(0, 2, 1)
+            self.matrices.append((low, matrix.reshape(self.n_w * 3, -1)))
+        self.n_nodes = len(nodes)
+
+    def apply(self, intensity: np.ndarray) -> np.ndarray:
+        """Integrate a block of angles.
+
+        Parameters
+        ----------
+        intensity
+            ``(n_f, n, m)`` float32, S = lambda^2 T, m^2.
+
+        Returns
+        -------
+        ndarray
+            ``(n_r, n_w, 3, m)`` float32, T in XYZ, 1/sr.
+        """
+        flat = intensity.reshape(-1, intensity.shape[-1])
+        out = np.empty((len(self.matrices), self.n_w * 3, intensity.shape[-1]), np.float32)
+        for (low, matrix), target in zip(self.matrices, out, strict=True):
+            start = low * self.n_nodes
+            np.matmul(matrix, flat[start : start + matrix.shape[1]], out=target)
+        np.maximum(out, 0.0, out=out)
+        return out.reshape(len(out), self.n_w, 3, -1)
