@@ -14,12 +14,14 @@ import numpy as np
 
 from ..errors import ParameterError, SizeLimitError
 from ..heightfield import HeightField
-from . import gratings, snake
+from . import bumps, discs, foils, gratings, morpho, snake
 from .preset import Parameter, Preset
 
 __all__ = ["PRESETS", "Parameter", "Preset", "make_preset"]
 
-PRESETS: dict[str, Preset] = {preset.name: preset for module in (snake, gratings) for preset in module.PRESETS}
+PRESETS: dict[str, Preset] = {
+    preset.name: preset for module in (snake, gratings, discs, foils, morpho, bumps) for preset in module.PRESETS
+}
 
 #: Most pixels a side.
 LIMIT_PIXELS = 8192

@@ -117,3 +117,65 @@ def test_bad_parameters():
         make_preset("flat", pixels=1)
     with pytest.raises(SizeLimitError, match="8192"):
         make_preset("flat", pixels=10**6)
+
+
+def strongest(field, low=0.2):
+    """Frequency (fx, fy) in 1/um of the strongest peak beyond ``low``."""
+    spectrum, fx, fy = power(field)
+    spectrum = np.where(np.hypot(fx, fy) > low, spectrum, 0.0)
+    row, col = np.unravel_index(np.argmax(spectrum), spectrum.shape)
+    return abs(fx[0, col]), abs(fy[row, 0])
+
+
+@pytest.mark.parametrize(("name", "pitch_um"), [("cd", 1.6), ("dvd", 0.74), ("bluray", 0.32)])
+def test_discs_diffract_like_gratings_of_their_track_pitch(name, pitch_um):
+    field = make_preset(name)
+    fx, fy = strongest(field)
+    assert 1 / fx == pytest.approx(pitch_um, rel=0.02)
+    assert fy < 0.1
+
+
+@pytest.mark.parametrize(("name", "clock_um", "shortest", "longest"), [("cd", 0.278, 3, 11), ("dvd", 0.133, 3, 11)])
+def test_pits_and_lands_are_whole_clock_periods_long(name, clock_um, shortest, longest):
+    field = make_preset(name, size_m=(2 * 1.6e-6, 60e-6), pixels=320)
+    track = (
+        field.heights[:, int(0.5 * PRESETS[name].parameters[0].default * 1e-6 / field.dx)] > 0.5 * field.heights.max()
+    )
+    edges = np.flatnonzero(np.diff(track.astype(int))) * field.dy
+    clocks = np.diff(edges) * 1e6 / clock_um
+    np.testing.assert_allclose(clocks, np.rint(clocks), atol=0.25)
+    assert np.rint(clocks).min() == shortest
+    assert np.rint(clocks).max() <= longest
+
+
+def test_foil_has_two_gratings_at_the_crossing_angle():
+    spectrum, fx, fy = power(make_preset("foil", crossing_deg=60.0))
+    angle = np.radians(60.0)
+    for kx, ky in ((1.0, 0.0), (np.cos(angle), np.sin(angle))):
+        order = spectrum[np.hypot(fx - kx, fy - ky) < 0.08].sum() + spectrum[np.hypot(fx + kx, fy + ky) < 0.08].sum()
+        assert order == pytest.approx(0.5 * spectrum.sum(), rel=0.02)
+
+
+def test_brushed_metal_is_rough_across_and_smooth_along():
+    field = make_preset("brushed_metal", seed=3)
+    across = np.diff(field.heights, axis=1).std() / field.dx
+    along = np.diff(field.heights, axis=0).std() / field.dy
+    assert across > 20 * along
+
+
+def test_morpho_ridges_stand_at_their_distance():
+    assert 1 / strongest(make_preset("morpho", irregularity_nm=0.0), low=1.0)[0] == pytest.approx(0.7, rel=0.02)
+
+
+def test_bumps_have_the_moments_of_a_poisson_field():
+    """Campbell: mean = n int b, variance = n int b^2, for b = h (1 - r^2)^2 on an ellipse."""
+    field = make_preset("stam_bumps", size_m=130e-6, pixels=1024, length_um=1.6, width_um=1.0, height_nm=100.0)
+    area = np.pi * 0.8 * 0.5
+    assert field.heights.mean() == pytest.approx(0.2 * 100e-9 * area / 3, rel=0.05)
+    assert field.heights.var() == pytest.approx(0.2 * 1e-14 * area / 5, rel=0.08)
+
+
+def test_elaphe_has_columns_of_its_width():
+    spectrum, fx, fy = power(make_preset("elaphe"))
+    fingers = spectrum * ((np.abs(fx) > 0.65) & (np.abs(fx) < 1.4) & (np.abs(fy) < 1))
+    assert 1.0 < 1 / ((fingers * np.abs(fx)).sum() / fingers.sum()) < 1.13
