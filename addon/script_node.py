@@ -38,13 +38,13 @@ def fill(node: bpy.types.Node, text: bpy.types.Text) -> None:
         If this Blender cannot compile OSL.
     """
     node.mode = "INTERNAL"
+    node.bytecode_hash = ""
     if importlib.util.find_spec("oslquery") is not None:
-        node.bytecode_hash = ""
         node.script = text  # compiles
         if not node.bytecode_hash:  # the same text block was set before, so that nothing was triggered
             node.script = None
             node.script = text
-    else:
+    if not node.bytecode_hash:  # no oslquery; or the scene renders with EEVEE, where Blender compiles nothing
         compiled = _compile(text.as_string())
         node.bytecode = compiled
         node.bytecode_hash = hashlib.md5(compiled.encode(), usedforsecurity=False).hexdigest()

@@ -66,7 +66,7 @@ def lamp_rows(ob: bpy.types.Object) -> np.ndarray | None:
         rows[5, 2] = float(getattr(light, "use_soft_falloff", True))
         if lamp.type == "SPOT":
             rows[1:4, :3] = [axis / max(axis.length_squared, 1e-18) for axis in _axes(ob)]
-            rows[3, :3] *= 1.0
+            rows[3, :3] *= -1.0  # it shines along its -z
             cosine = math.cos(0.5 * lamp.spot_angle)
             rows[5, :2] = cosine, 1.0 / max((1.0 - cosine) * lamp.spot_blend, 1e-6)
             rows[1, 3] = 1.0

@@ -1,0 +1,234 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws diffraction over what is already in the framebuffer."""
+
+from __future__ import annotations
+
+import traceback
+from collections import OrderedDict
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...precompute.errors import DiffractionError
+from . import blocks, items, lamps, looks, sources
+from .batches import Meshes
+from .display import Display
+from .looks import View
+from .series import SeriesTextures
+from .textures import Tables
+
+#: Views of different scenes or layers whose lists are kept.
+_LISTS = 4
+
+
+@dataclass(eq=False)
+class _Listing:
+    """What one scene and view layer hold, as of a version."""
+
+    version: int
+    items: list[items.Item]
+    lamps: np.ndarray
+    ambient: tuple[float, float, float]
+
+
+@dataclass(eq=False)
+class Renderer:
+    """All that the viewport keeps between two drawings."""
+
+    tables: Tables = field(default_factory=Tables)
+    series: SeriesTextures = field(default_factory=SeriesTextures)
+    meshes: Meshes = field(default_factory=Meshes)
+    display: Display = field(default_factory=Display)
+    #: What the user is to know; empty while all is well.
+    message: str = ""
+    #: Counts changes of the scene.
+    version: int = 0
+    _changed: set[int] = field(default_factory=set)
+    _forget_all: bool = False
+    _listings: OrderedDict[tuple, _Listing] = field(default_factory=OrderedDict)
+    _uniforms: dict[tuple, tuple[bytes, Any]] = field(default_factory=dict)
+    _failed: tuple | None = None
+
+    # What may be called from any thread: it only takes notes.
+
+    def note(self, changed: set[int] | None = None) -> None:
+        """The scene changed: the geometry of these data-blocks (session uids), of all for None."""
+        if changed is None:
+            self._forget_all = True
+        else:
+            self._changed |= changed
+        self.version += 1
+
+    def clear(self) -> None:
+        """Let go of everything on the GPU."""
+        self._listings.clear()
+        self._uniforms.clear()
+        self.meshes.forget()
+        self.tables.clear()
+        self.series.clear()
+        self.display.clear()
+        self._changed.clear()
+        self.message, self._failed = "", None
+        self.version += 1
+
+    # Drawing.
+
+    def draw(
+        self,
+        depsgraph: bpy.types.Depsgraph,
+        view_matrix: np.ndarray,
+        projection: np.ndarray,
+        view: View,
+        through_display: bool,
+        visible: Callable[[bpy.types.Object], bool],
+        list_key: int = 0,
+    ) -> int:
+        """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
+
+        Parameters
+        ----------
+        view_matrix, projection
+            ``(4, 4)``, rows first.
+        view
+            The user's choice.
+        through_display
+            Whether colours must pass through the view transform here.
+        visible
+            Whether an original object is to be drawn.
+        list_key
+            Tells apart views that show different objects.
+        """
+        attempt = (self.version, view)
+        if self._failed == attempt:
+            return 0
+        try:
+            count = self._draw(depsgraph, view_matrix, projection, view, through_display, visible, list_key)
+        except DiffractionError as error:
+            self._fail(attempt, str(error))
+            return 0
+        except Exception as error:
+            traceback.print_exc()
+            self._fail(attempt, f"The viewport cannot draw diffraction here ({error}); render with Cycles instead.")
+            return 0
+        self._failed = None
+        return count
+
+    def _fail(self, attempt: tuple, message: str) -> None:
+        if message != self.message:
+            print(f"Diffraction: {message}")
+        self.message, self._failed = message, attempt
+
+    def _draw(self, depsgraph, view_matrix, projection, view, through_display, visible, list_key) -> int:
+        import gpu
+
+        listing = self._listing(depsgraph, visible, list_key)
+        self.message = ""
+        if not listing.items:
+            return 0
+        rows = listing.lamps
+        if view.lights == "STUDIO" or not len(rows):
+            rows = lamps.studio_rows(view_matrix)
+        frame = blocks.Frame(view_matrix, projection, rows, view.points, through_display, listing.ambient)
+        shader = sources.surface(view.method)
+        state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
+        gpu.state.blend_set("NONE" if view.surface == "REPLACE" else "ADDITIVE")
+        gpu.state.depth_test_set("LESS_EQUAL")
+        gpu.state.depth_mask_set(False)
+        try:
+            shader.bind()
+            shader.uniform_block("df_frame", self._uniform(("frame",), frame.rows()))
+            shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
+            bound = None
+            for item in listing.items:
+                if item.material != bound:
+                    bound = item.material
+                    self._bind(shader, bound, view)
+                shader.uniform_float("df_model", item.matrix)
+                item.batch.draw(shader)
+        finally:
+            gpu.state.blend_set(state[0])
+            gpu.state.depth_test_set(state[1])
+            gpu.state.depth_mask_set(state[2])
+        return len(listing.items)
+
+    def _bind(self, shader, shaded: bpy.types.Material, view: View) -> None:
+        path = looks.table_path(shaded)
+        table = self.tables.get(path)
+        look = looks.surface(shaded, table.layout, table.info, view)
+        shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
+        shader.uniform_sampler("df_table", table.slices)
+        shader.uniform_sampler("df_albedo", table.albedo)
+        if view.method == "FLSS":
+            series = self.series.get(path, table.info)
+            shader.uniform_block("df_series", series.uniform)
+            shader.uniform_sampler("df_terms", series.terms)
+
+    def _uniform(self, key: tuple, rows: np.ndarray):
+        """A uniform buffer with these rows, the last one where nothing changed."""
+        content = rows.tobytes()
+        held = self._uniforms.get(key)
+        if held is None:
+            held = (content, blocks.uniform(rows))
+        elif held[0] != content:
+            held[1].update(blocks.buffer(rows))
+            held = (content, held[1])
+        self._uniforms[key] = held
+        return held[1]
+
+    def _listing(self, depsgraph, visible, list_key) -> _Listing:
+        scene = depsgraph.scene.original
+        key = (scene.session_uid, depsgraph.view_layer.name, list_key)
+        version = self.version
+        listing = self._listings.get(key)
+        if listing is None or listing.version != version:
+            self._forget()
+            made = _Listing(
+                version,
+                items.gather(depsgraph, self.meshes, visible),
+                lamps.scene_rows(
+                    depsgraph, {ob.name_full for ob in scene.objects if ob.type == "LIGHT" and visible(ob)}
+                ),
+                ambient(scene),
+            )
+            listing = self._listings[key] = made
+            while len(self._listings) > _LISTS:
+                self._listings.popitem(last=False)
+            self._drop_unused()
+        self._listings.move_to_end(key)
+        return listing
+
+    def _forget(self) -> None:
+        """Give up meshes that are noted as changed."""
+        if self._forget_all:
+            self._listings.clear()
+            self.meshes.forget()
+        elif self._changed:
+            self.meshes.forget(self._changed)
+        self._changed, self._forget_all = set(), False
+
+    def _drop_unused(self) -> None:
+        """Tables and uniforms of materials that no view shows."""
+        shown = {item.material for listing in self._listings.values() for item in listing.items}
+        paths = {looks.table_path(m) for m in shown}
+        self.tables.keep(paths)
+        self.series.keep(paths)
+        uids = {m.session_uid for m in shown}
+        for key in [k for k in self._uniforms if k[0] == "surface" and k[1] not in uids]:
+            del self._uniforms[key]
+
+
+def ambient(scene: bpy.types.Scene) -> tuple[float, float, float]:
+    """Radiance of a plain world, black for any other."""
+    world = scene.world
+    if world is None or world.node_tree is None:
+        return (0.0, 0.0, 0.0)
+    output = world.node_tree.get_output_node("ALL")
+    links = output.inputs["Surface"].links if output is not None else ()
+    node = links[0].from_node if links else None
+    if node is None or node.bl_idname != "ShaderNodeBackground" or node.inputs["Color"].links:
+        return (0.0, 0.0, 0.0)
+    strength = node.inputs["Strength"].default_value
+    return tuple(strength * c for c in tuple(node.inputs["Color"].default_value)[:3])

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws when Blender draws, and takes note of what changed in between."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from . import settings, sources
+from .display import redraw
+from .drawing import Renderer
+
+#: What the viewport keeps between two drawings.
+renderer = Renderer()
+
+_draw_handle = None
+
+
+def draw_view() -> None:
+    """The 3-D view's draw handler (POST_VIEW)."""
+    import gpu
+
+    context = bpy.context
+    scene, space = context.scene, context.space_data
+    if not scene.diffraction_viewport.show or space is None or not settings.shows(space):
+        return
+    shading = space.shading.type
+    # Cycles shows the material itself.
+    if shading == "WIREFRAME" or (shading == "RENDERED" and scene.render.engine == "CYCLES"):
+        return
+    renderer.draw(
+        context.evaluated_depsgraph_get(),
+        np.array(gpu.matrix.get_model_view_matrix()),
+        np.array(gpu.matrix.get_projection_matrix()),
+        scene.diffraction_viewport.view(),
+        through_display=True,
+        visible=lambda ob: ob.visible_in_viewport_get(space),
+        list_key=space.as_pointer() if space.local_view is not None else 0,
+    )
+
+
+@persistent
+def _updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    changed = set()
+    for update in depsgraph.updates if depsgraph is not None else ():
+        if update.is_updated_geometry:
+            changed.add(update.id.original.session_uid)
+    renderer.note(changed)
+
+
+@persistent
+def _replaced(*_) -> None:
+    """Undo or another file: nothing that was read before can be trusted."""
+    renderer.note(None)
+
+
+@persistent
+def _before_load(*_) -> None:
+    renderer.clear()
+
+
+_HANDLERS = (
+    (bpy.app.handlers.depsgraph_update_post, _updated),
+    (bpy.app.handlers.frame_change_post, _updated),
+    (bpy.app.handlers.undo_post, _replaced),
+    (bpy.app.handlers.redo_post, _replaced),
+    (bpy.app.handlers.load_pre, _before_load),
+    (bpy.app.handlers.load_post, _replaced),
+)
+
+
+def register() -> None:
+    """Begin to draw."""
+    global _draw_handle
+    for where, handler in _HANDLERS:
+        where.append(handler)
+    _draw_handle = bpy.types.SpaceView3D.draw_handler_add(draw_view, (), "WINDOW", "POST_VIEW")
+
+
+def unregister() -> None:
+    """Stop, and free all GPU memory."""
+    global _draw_handle
+    if _draw_handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_draw_handle, "WINDOW")
+        _draw_handle = None
+    for where, handler in _HANDLERS:
+        if handler in where:
+            where.remove(handler)
+    renderer.clear()
+    sources.free()
+    redraw()

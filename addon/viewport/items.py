@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What there is to draw in an evaluated scene: pieces of meshes with a material of ours."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+from mathutils import Matrix
+
+from .. import material
+from . import orientation
+from .batches import MeshBatches, Meshes
+
+_SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+
+
+@dataclass(eq=False)
+class Item:
+    """One material slot of one instance."""
+
+    material: bpy.types.Material
+    matrix: Matrix
+    mesh: MeshBatches
+    batch: Any
+
+
+def gather(depsgraph: bpy.types.Depsgraph, meshes: Meshes, visible: Callable[[bpy.types.Object], bool]) -> list[Item]:
+    """All pieces to draw, instances included.
+
+    Parameters
+    ----------
+    visible
+        Whether an original object (of an instance: the one that makes it) is to be drawn.
+    """
+    ours = {m.session_uid: m for m in bpy.data.materials if material.is_ours(m) and _shown(m)}
+    if not ours:
+        return []
+    orientations = {uid: orientation.of(m) for uid, m in ours.items()}
+    found = []
+    for instance in depsgraph.object_instances:
+        ob = instance.object
+        if ob.type not in _SURFACES or not instance.show_self or ob.display_type in {"WIRE", "BOUNDS"}:
+            continue
+        used = {i: m.original.session_uid for i, m in enumerate(slots(ob)) if m is not None}
+        if ours.keys().isdisjoint(used.values()):
+            continue
+        owner = instance.parent if instance.is_instance and instance.parent is not None else ob
+        if not visible(owner.original):
+            continue
+        matrix = instance.matrix_world.copy()
+        for orient in {orientations[uid] for uid in used.values() if uid in ours}:
+            mesh = meshes.get(instance, orient)
+            for index, batch in mesh.batches.items() if mesh is not None else ():
+                uid = used.get(min(index, max(used)))
+                if uid in ours and orientations[uid] == orient:
+                    found.append(Item(ours[uid], matrix, mesh, batch))
+    found.sort(key=lambda item: item.material.session_uid)
+    return found
+
+
+def slots(ob: bpy.types.Object) -> list[bpy.types.Material | None]:
+    """Materials of an evaluated object by slot: geometry nodes may have added some to its data."""
+    materials = list(getattr(ob.data, "materials", ()))
+    for index, slot in enumerate(ob.material_slots):
+        if index < len(materials) and slot.link == "DATA":
+            continue
+        materials[index : index + 1] = [slot.material]
+    return materials
+
+
+def _shown(shaded: bpy.types.Material) -> bool:
+    settings = getattr(shaded, "diffraction_viewport", None)
+    return settings is None or settings.show

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a material of ours looks like: its sockets as the numbers of the viewport's shader."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...precompute.brdf import coherence_area, relative_colour_factor
+from ...precompute.colour import xyz_to_rgb_matrix
+from ...precompute.layout import TableLayout
+from .. import material
+from ..osl import FRESNEL
+from .blocks import Surface
+
+
+@dataclass(frozen=True)
+class View:
+    """What the user chose for the drawing.
+
+    Parameters
+    ----------
+    method
+        ``TABLE`` or ``FLSS``.
+    brightness
+        Factor on the diffracted light.
+    normalisation
+        ``ABSOLUTE`` or ``RELATIVE`` (the specular peak of a flat patch at normal incidence has luminance 1).
+    surface
+        ``ADD`` to what is drawn, or ``REPLACE`` it by pigment and diffraction.
+    points
+        Points that stand for a wide lamp.
+    lights
+        ``SCENE``, or ``STUDIO`` for lamps that stay with the viewer.
+    """
+
+    method: str = "TABLE"
+    brightness: float = 1.0
+    normalisation: str = "ABSOLUTE"
+    surface: str = "ADD"
+    points: int = 4
+    lights: str = "SCENE"
+
+
+def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: View) -> Surface:
+    """The look of a material; sockets with links count with the values that they have without.
+
+    Parameters
+    ----------
+    layout, info
+        Of its table.
+    """
+    node = material.shader_node(shaded)
+    value = _Sockets(node)
+    illuminant = info["colour"]["illuminant"]
+    modes = {number: name for name, number in FRESNEL.items()}
+    look = Surface(
+        layout=layout,
+        to_rgb=xyz_to_rgb_matrix(bpy.data.colorspace.working_space, illuminant),
+        fresnel=modes.get(int(value("Fresnel", 1)), "DIELECTRIC"),
+        ior=float(value("IOR", 1.5)),
+        conductor_n=tuple(value("ConductorN", (1.35, 0.95, 0.61)))[:3],
+        conductor_k=tuple(value("ConductorK", (7.47, 6.54, 5.47)))[:3],
+        conserve_energy=bool(value("ConserveEnergy", 1)) and info["albedo_max"] > 1.0,
+        rotation=float(value("Rotation", 0.0)),
+        brightness=float(value("Brightness", 1.0)) * view.brightness,
+    )
+    if view.normalisation == "RELATIVE":
+        look.brightness *= relative_gain(info, look)
+    if view.surface == "REPLACE":
+        look.pigment = pigment(node)
+    return look
+
+
+def relative_gain(info: dict, look: Surface) -> float:
+    """What f cos is multiplied by to give the relative BRDF of the thesis, R / R0 included."""
+    parameters, source = info["parameters"], info["source"]
+    rows, cols = source["shape"]
+    size_x, size_y = source["size_m"]
+    sigma = parameters["sigma_s_m"]
+    if sigma is None:  # the bake's default
+        sigma = 65e-6 / 4.0 if parameters["ensemble"] == "single" else min(size_x, size_y) / 10.0
+    area = coherence_area((rows, cols), size_x / cols, size_y / rows, sigma, parameters["ensemble"])
+    normal = np.array([0.0, 0.0, 1.0])
+    gain = float(relative_colour_factor(normal, normal, area, info["colour"]["illuminant"]))
+    if look.fresnel == "DIELECTRIC":
+        gain /= max(((look.ior - 1.0) / (look.ior + 1.0)) ** 2, 1e-6)
+    return gain
+
+
+def pigment(node: bpy.types.Node | None) -> tuple[float, float, float]:
+    """Colour of the diffuse shader underneath, as far as the nodes tell it without being evaluated."""
+    base = node.inputs.get("Base") if node is not None else None
+    below = base.links[0].from_node if base is not None and base.links else None
+    if below is not None:
+        for name in ("Base Color", "Color"):
+            socket = below.inputs.get(name)
+            if socket is not None and not socket.links:
+                return tuple(socket.default_value)[:3]
+    return (0.0, 0.0, 0.0)
+
+
+class _Sockets:
+    """Values of a node's sockets, or of its defaults where it lacks one."""
+
+    def __init__(self, node: bpy.types.Node | None) -> None:
+        self._node = node
+
+    def __call__(self, name: str, default):
+        socket = self._node.inputs.get(name) if self._node is not None else None
+        return default if socket is None or not hasattr(socket, "default_value") else socket.default_value
+
+
+def table_path(shaded: bpy.types.Material) -> Path:
+    """Absolute path of a material's table."""
+    return material.table_path(shaded).with_suffix(".exr")

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of the viewport without a window."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ...precompute.atomic import atomic_path
+from ...precompute.errors import OutputError, ParameterError
+from .drawing import Renderer
+from .looks import View
+
+#: File formats by suffix: name and bits a channel.
+FORMATS = {".png": ("PNG", "8"), ".jpg": ("JPEG", "8"), ".jpeg": ("JPEG", "8"), ".exr": ("OPEN_EXR", "32")}
+
+
+class NoGpu(ParameterError):
+    """There is nothing to draw with."""
+
+
+def ensure_gpu() -> None:
+    """A GPU context, also in background mode.
+
+    Raises
+    ------
+    NoGpu
+        If this Blender cannot have one.
+    """
+    import gpu
+
+    try:
+        if bpy.app.background and hasattr(gpu, "init"):
+            gpu.init()
+        gpu.platform.renderer_get()
+    except Exception as error:
+        raise NoGpu("Blender has no GPU context here, so the viewport cannot be drawn; render with Cycles.") from error
+
+
+@contextmanager
+def view_3d() -> Iterator[dict]:
+    """Window, area, region and space of a 3-D view; where no window shows one, the largest area lends itself.
+
+    Raises
+    ------
+    NoGpu
+        If this Blender has no window, which a file saved with its interface brings.
+    """
+    windows = [w for manager in bpy.data.window_managers for w in manager.windows]
+    areas = [(w, a) for w in windows for a in w.screen.areas]
+    if not areas:
+        raise NoGpu("This file has no window layout, so there is no 3-D view to draw; save it with its interface.")
+    window, area = next(((w, a) for w, a in areas if a.type == "VIEW_3D"), (None, None))
+    lent = None
+    if area is None:
+        window, area = max(areas, key=lambda pair: pair[1].width * pair[1].height)
+        lent, area.type = area.type, "VIEW_3D"
+    try:
+        region = next(r for r in area.regions if r.type == "WINDOW")
+        space = area.spaces.active
+        yield {"window": window, "area": area, "region": region, "space_data": space, "region_data": space.region_3d}
+    finally:
+        if lent is not None:
+            area.type = lent
+
+
+@contextmanager
+def _look(space: bpy.types.SpaceView3D, shading: str) -> Iterator[None]:
+    """Lend a view its shading: a picture for the public, no overlays."""
+    wanted = [
+        (space.shading, "type", shading),
+        (space.overlay, "show_overlays", False),
+        (space, "show_gizmo", False),
+    ]
+    before = [(owner, name, getattr(owner, name)) for owner, name, _ in wanted]
+    try:
+        for owner, name, value in wanted:
+            setattr(owner, name, value)
+        yield
+    finally:
+        for owner, name, value in reversed(before):
+            setattr(owner, name, value)
+
+
+def render(
+    renderer: Renderer,
+    scene: bpy.types.Scene,
+    camera: bpy.types.Object,
+    size: tuple[int, int],
+    shading: str,
+    view: View,
+    background: bool = True,
+) -> np.ndarray:
+    """The scene as its camera sees it, with diffraction.
+
+    Parameters
+    ----------
+    size
+        Width and height in pixels.
+    shading
+        ``SOLID``, ``MATERIAL`` or ``RENDERED``: what is drawn under the diffraction.
+    view
+        The user's choice.
+    background
+        Draw the world or the view's background; else transparent.
+
+    Returns
+    -------
+    ndarray
+        ``(height, width, 4)`` float32 scene-linear, row 0 at the bottom.
+
+    Raises
+    ------
+    DiffractionError
+        If there is no GPU or the drawing failed.
+    """
+    ensure_gpu()
+    import gpu
+
+    width, height = size
+    with view_3d() as override, bpy.context.temp_override(**override, scene=scene):
+        layer = scene.view_layers[0] if scene != bpy.context.scene else bpy.context.view_layer
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        eye = camera.evaluated_get(depsgraph)
+        view_matrix = eye.matrix_world.normalized().inverted()
+        projection = camera.calc_matrix_camera(depsgraph, x=width, y=height)
+        try:
+            target = gpu.types.GPUOffScreen(width, height, format="RGBA32F")
+        except Exception as error:
+            raise ParameterError(f"The GPU has no room for {width} x {height} pixels; ask for fewer.") from error
+        space = override["space_data"]
+        try:
+            with _look(space, shading):
+                target.draw_view3d(
+                    scene, layer, space, override["region"], view_matrix, projection,
+                    do_color_management=False, draw_background=background,
+                )  # fmt: skip
+                with target.bind():
+                    renderer.draw(
+                        depsgraph,
+                        np.array(view_matrix),
+                        np.array(projection),
+                        view,
+                        through_display=False,
+                        visible=lambda ob: ob.visible_in_viewport_get(space),
+                        list_key=1,
+                    )
+                if renderer.message:
+                    raise ParameterError(renderer.message)
+                return read(target)
+        finally:
+            target.free()
+
+
+def read(target) -> np.ndarray:
+    """``(height, width, 4)`` float32 of an offscreen, row 0 at the bottom."""
+    pixels = target.texture_color.read()
+    pixels.dimensions = target.width * target.height * 4
+    return np.array(pixels, np.float32).reshape(target.height, target.width, 4)
+
+
+def save(pixels: np.ndarray, scene: bpy.types.Scene, path: Path, transparent: bool = False) -> None:
+    """Write a picture as a render of the scene would be written; ``.exr`` keeps the scene-linear values.
+
+    Raises
+    ------
+    OutputError
+        If the suffix is unknown or the folder cannot be written.
+    """
+    from .display import write_as_render
+
+    if path.suffix.lower() not in FORMATS:
+        raise OutputError(f"'{path.name}' has no known picture format; use one of {', '.join(FORMATS)}.")
+    file_format, depth = FORMATS[path.suffix.lower()]
+    with atomic_path(path) as temporary:
+        write_as_render(pixels, scene, temporary, file_format, depth, transparent)

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The BRDF: factor, Fresnel, energy, colour. Directions are local: (along t, along b, along n).
+
+// Schlick's reflectance of a dielectric at the half-angle.
+float fresnel_dielectric(float ior, float cos_half)
+{
+    float root = (ior - 1.0) / (ior + 1.0), r0 = root * root, m = 1.0 - clamp(cos_half, 0.0, 1.0);
+    return r0 + (1.0 - r0) * m * m * m * m * m;
+}
+
+// Reflectance of a conductor of index n + i k for unpolarised light, exact (Born & Wolf, 14.2), a channel at a time.
+vec3 fresnel_conductor(vec3 n, vec3 k, float cos_half)
+{
+    float c = clamp(cos_half, 0.0, 1.0), c2 = c * c, s2 = 1.0 - c2;
+    vec3 d = n * n - k * k - s2;
+    vec3 a2b2 = sqrt(d * d + 4.0 * n * n * k * k);
+    vec3 a = sqrt(max(0.5 * (a2b2 + d), vec3(0.0)));
+    vec3 rs = (a2b2 + c2 - 2.0 * c * a) / (a2b2 + c2 + 2.0 * c * a);
+    vec3 rp = rs * (c2 * a2b2 + s2 * s2 - 2.0 * c * s2 * a) / (c2 * a2b2 + s2 * s2 + 2.0 * c * s2 * a);
+    return 0.5 * (rs + rp);
+}
+
+vec3 fresnel(float cos_half)
+{
+    if (df_surface.fresnel.x == FRESNEL_DIELECTRIC)
+        return vec3(fresnel_dielectric(df_surface.fresnel.y, cos_half));
+    if (df_surface.fresnel.x == FRESNEL_CONDUCTOR)
+        return fresnel_conductor(df_surface.conductor_n.rgb, df_surface.conductor_k.rgb, cos_half);
+    return vec3(1.0);
+}
+
+// A colour outside the gamut moves towards the grey of its luminance until no component is negative.
+vec3 into_gamut(vec3 rgb, float luminance)
+{
+    float lowest = min(rgb.r, min(rgb.g, rgb.b));
+    if (lowest >= 0.0)
+        return rgb;
+    if (luminance <= 0.0)
+        return vec3(0.0);
+    return max(luminance + (rgb - luminance) * (luminance / (luminance - lowest)), vec3(0.0));
+}
+
+// From a transform in XYZ to f cos(theta_i) in the working space's RGB, R = 1. Multiplied by the cosine here because
+// 1 / cos_i then drops out.
+vec3 f_cos_of(vec3 transform_xyz, vec3 wi, vec3 wr, float albedo_r)
+{
+    float w_abs = wi.z + wr.z, mirror = 1.0 + dot(wi, wr);
+    float factor = mirror * mirror / (wr.z * w_abs * w_abs);
+    if (df_surface.fresnel.z > 0.5)
+        factor /= max(1.0, max(albedo_r, table_albedo(wi)));
+    vec3 xyz = factor * transform_xyz;
+    vec3 rgb = vec3(dot(df_surface.to_red.xyz, xyz), dot(df_surface.to_green.xyz, xyz),
+                    dot(df_surface.to_blue.xyz, xyz));
+    return into_gamut(rgb, xyz.y);
+}
+
+vec3 diffraction_f_cos(vec3 wi, vec3 wr, float albedo_r)
+{
+    vec2 uv = -(wi.xy + wr.xy);
+    float w_abs = wi.z + wr.z;
+#ifdef METHOD_FLSS
+    return f_cos_of(flss_transform(uv, w_abs), wi, wr, albedo_r);
+#else
+    return f_cos_of(table_transform(uv, w_abs), wi, wr, albedo_r);
+#endif
+}

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The light that a point of a surface sends to the viewer: diffraction of all lamps and, where the surface is replaced
+// and not added to, the pigment underneath.
+
+// The scan's frame as in diffraction.osl: t along its x, b along its y, right-handed or mirrored as the UV map is.
+mat3 scan_frame(vec3 n)
+{
+    vec3 t = world_tangent.xyz;
+    t -= dot(t, n) * n;
+    if (dot(t, t) < 1e-12)  // no UV map: along the object's x, or y where that stands upright
+        t = df_model[0].xyz;
+    t -= dot(t, n) * n;
+    if (dot(t, t) < 1e-12)
+        t = cross(n, df_model[1].xyz);
+    t = normalize(t);
+    vec3 across = cross(n, t) * (world_tangent.w < 0.0 ? -1.0 : 1.0);
+    float c = df_surface.rotation.x, s = df_surface.rotation.y;
+    return mat3(c * t + s * across, c * across - s * t, n);
+}
+
+void main()
+{
+    vec3 to_viewer = df_frame.viewer.w > 0.5 ? normalize(df_frame.viewer.xyz - world_place) : df_frame.viewer.xyz;
+    vec3 n = normalize(world_normal);
+    bool mirrored = dot(df_model[0].xyz, cross(df_model[1].xyz, df_model[2].xyz)) < 0.0;
+    bool front = gl_FrontFacing != mirrored;
+    float cos_r = dot(n, to_viewer);
+    bool diffracts = front && cos_r > 0.0;
+    bool replaces = df_surface.pigment.w > 0.5;
+    if (!diffracts && !replaces)
+        discard;
+
+    vec3 light = vec3(0.0), pigment = vec3(0.0);
+    mat3 frame = scan_frame(n);
+    vec3 wr = to_viewer * frame;  // its components along t, b, n
+    float albedo_r = df_surface.fresnel.z > 0.5 && diffracts ? table_albedo(wr) : 1.0;
+    int lamps = int(df_frame.counts.x);
+    for (int i = 0; i < lamps; i++) {
+        DiffractionLamp lamp = df_frame.lamps[i];
+        int points = lamp_points(lamp, world_place);
+        for (int j = 0; j < points; j++) {
+            vec3 wi;
+            vec3 irradiance = lamp_light(lamp, world_place, j, points, wi);
+            float cos_i = dot(wi, n);
+            if (replaces)
+                pigment += irradiance * max(front ? cos_i : -cos_i, 0.0);
+            if (!diffracts || cos_i <= 0.0 || irradiance.r + irradiance.g + irradiance.b <= 0.0)
+                continue;
+            vec3 f_cos = diffraction_f_cos(wi * frame, wr, albedo_r);
+            light += irradiance * f_cos * fresnel(sqrt(max(0.0, 0.5 * (1.0 + dot(wi, to_viewer)))));
+        }
+    }
+    light *= df_surface.fresnel.w;
+    if (replaces) {
+        pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);
+        light += (vec3(1.0) - fresnel(abs(cos_r))) * pigment;
+    }
+    out_colour = vec4(displayed(light), 1.0);
+}

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lookups of the spectral table, as docs/architecture.md describes it ("The spectral table"). Its slices are the layers
+// of df_table, its albedo tile is df_albedo; the numbers of its layout come in df_surface.
+
+#define PI 3.14159265358979
+#define TWO_PI 6.28318530717959
+
+float arsinh(float x)  // x >= 0
+{
+    return log(x + sqrt(x * x + 1.0));
+}
+
+// Angle of a vector in turns, [0, 1]; a vector of length zero has the angle 0.
+float turns(vec2 d)
+{
+    float turn = dot(d, d) > 0.0 ? atan(d.y, d.x) * (1.0 / TWO_PI) : 0.0;
+    return turn < 0.0 ? turn + 1.0 : turn;
+}
+
+// T(u, v, w) as XYZ in 1/sr; w_abs = |w| > 0.
+vec3 table_transform(vec2 uv, float w_abs)
+{
+    float column = min(df_surface.radial.x * arsinh(length(uv) * df_surface.radial.y), df_surface.radial.z);
+    float row = turns(uv) * df_surface.radial.w;
+    float position = clamp(df_surface.slices.x * (arsinh(w_abs * df_surface.slices.y) - df_surface.slices.z), 0.0,
+                           df_surface.slices.w);
+    float lower = min(floor(position), df_surface.slices.w - 1.0);
+    vec2 at = vec2(column + 0.5, row + 1.5) * df_surface.texel.xy;
+    vec3 below = textureLod(df_table, vec3(at, lower), 0.0).rgb;
+    vec3 above = textureLod(df_table, vec3(at, lower + 1.0), 0.0).rgb;
+    return mix(below, above, position - lower) * (df_surface.value.x * pow(w_abs, df_surface.value.y));
+}
+
+// Directional albedo a(theta, phi) of the raw model with R = 1, of a local direction above the surface.
+float table_albedo(vec3 direction)
+{
+    float column = acos(clamp(direction.z, 0.0, 1.0)) * (2.0 / PI) * df_surface.value.z;
+    float row = turns(direction.xy) * df_surface.value.w;
+    return textureLod(df_albedo, vec2(column + 0.5, row + 1.5) * df_surface.texel.zw, 0.0).r;
+}
