@@ -83,5 +83,6 @@ def _warning(profile: np.ndarray, step_m: float, variance: float) -> str:
     period = count * step_m / peak
     return (
         f"Row alignment removed a period of {1e6 * period:.3g} um that runs along the lines, "
-        f"{100 * min(share, 1.0):.0f} percent of the surface's variance; leave it out if this is a structure, or choose the other axis."
+        f"{100 * min(share, 1.0):.0f} percent of the surface's variance; "
+        "leave it out if this is a structure, or choose the other axis."
     )

@@ -3,13 +3,33 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from ..errors import ScanError, SizeLimitError
 
 #: Most pixels of one channel (5792 x 5792); a reader then stays below 1 GB.
 LIMIT_PIXELS = 32 * 1024 * 1024
 
 #: Largest file that is opened at all.
-LIMIT_FILE_BYTES = 768 * 1024 * 1024
+LIMIT_FILE_BYTES = 512 * 1024 * 1024
+
+#: The same for numbers written as text, which take several times their size while they are parsed.
+LIMIT_TEXT_BYTES = 160 * 1024 * 1024
+
+
+def check_text(path: Path) -> None:
+    """Refuse a text file that is too large.
+
+    Raises
+    ------
+    SizeLimitError
+        If it has more than ``LIMIT_TEXT_BYTES``.
+    """
+    if path.stat().st_size > LIMIT_TEXT_BYTES:
+        raise SizeLimitError(
+            f"The text file has {path.stat().st_size >> 20} MB, above the limit of {LIMIT_TEXT_BYTES >> 20} MB; "
+            "export it as .gsf."
+        )
 
 
 def check_shape(rows: int, cols: int) -> None:

@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import ScanError
 from .binary import integer, number, read_head, read_matrix, text, unpack
 from .channel import Channel, Samples
-from .limits import check_shape
+from .limits import check_shape, check_text
 
 _HEAD = "<8s10s12s12sHHddddBBB"
 _HEADER_BYTES = 81
@@ -44,6 +44,7 @@ def _binary(path: Path) -> list[Channel]:
 
 
 def _ascii(path: Path) -> list[Channel]:
+    check_text(path)
     parts = path.read_bytes().decode("latin-1").split("*")
     if len(parts) < 2:
         raise ScanError("The .sdf file has no end of its header; copy or export it again.")
@@ -57,10 +58,10 @@ def _ascii(path: Path) -> list[Channel]:
     check_shape(rows, cols)
 
     def load() -> Samples:
-        words = parts[1].split()
-        if len(words) != rows * cols:
-            raise ScanError(f"The .sdf file holds {len(words)} values and declares {rows * cols}; export it again.")
-        values = np.array([np.nan if word.upper() == "BAD" else float(word) for word in words]).reshape(rows, cols)
+        values = np.fromstring(parts[1].replace("BAD", "nan"), sep=" ")
+        if values.size != rows * cols:
+            raise ScanError(f"The .sdf file holds {values.size} values and declares {rows * cols}; export it again.")
+        values = values.reshape(rows, cols)
         values = values[::-1] * dz
         metadata = {"instrument": keys.get("manufacid", "")}
         return Samples(values, (cols * dx, rows * dy), np.isnan(values), metadata=metadata)

@@ -17,7 +17,7 @@ import numpy as np
 
 from ..errors import ScanError
 from .channel import Channel, Samples
-from .limits import check_shape
+from .limits import check_shape, check_text
 from .units import metres_per
 
 EXTENSIONS = (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text")
@@ -48,6 +48,7 @@ class _Header:
 
 def read_text(path: Path) -> list[Channel]:
     """The one channel of a text matrix."""
+    check_text(path)
     raw = path.read_bytes()
     if b"\0" in raw[:4096]:
         raise ScanError("The file looks binary although its name says text; export the heights as a matrix of numbers.")
