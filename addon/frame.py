@@ -3,9 +3,15 @@
 
 from __future__ import annotations
 
+import math
+
 import bpy
 
 TANGENT, BITANGENT = "Diffraction Tangent", "Diffraction Bitangent"
+ATTRIBUTE, ANGLE_IMAGE = "Diffraction Attribute", "Diffraction Angle Image"
+
+#: Rotation (radians) that makes the tangent of `radial_frame` point outwards.
+RADIAL_TURN = -0.5 * math.pi
 
 
 def uv_frame(
@@ -37,3 +43,43 @@ def uv_frame(
         node.location = (at[0], at[1] - 180.0 * row)
         sockets.append(node.outputs["Normal"])
     return sockets[0], sockets[1]
+
+
+def attribute_frame(
+    tree: bpy.types.NodeTree, name: str, at: tuple[float, float] = (0.0, 0.0)
+) -> tuple[bpy.types.NodeSocket, None]:
+    """Tangent from a vector attribute of the mesh, in object space; its part along the normal does not count."""
+    read, turn = tree.nodes.new("ShaderNodeAttribute"), tree.nodes.new("ShaderNodeVectorTransform")
+    read.name, turn.name = ATTRIBUTE, TANGENT
+    read.attribute_name = name
+    turn.vector_type, turn.convert_from, turn.convert_to = "NORMAL", "OBJECT", "WORLD"
+    read.location, turn.location = (at[0] - 200.0, at[1]), at
+    tree.links.new(read.outputs["Vector"], turn.inputs["Vector"])
+    return turn.outputs["Vector"], None
+
+
+def radial_frame(tree: bpy.types.NodeTree, at: tuple[float, float] = (0.0, 0.0)) -> tuple[bpy.types.NodeSocket, None]:
+    """Tangent around the object's z axis (through the middle of its bounding box): counter-clockwise, as Blender has it.
+
+    Turned back by a right angle (`RADIAL_TURN`) the scan's x points away from the axis.
+    """
+    node = tree.nodes.new("ShaderNodeTangent")
+    node.name = TANGENT
+    node.direction_type, node.axis = "RADIAL", "Z"
+    node.location = at
+    return node.outputs["Tangent"], None
+
+
+def angle_image(
+    tree: bpy.types.NodeTree, image: bpy.types.Image, turn: float, at: tuple[float, float] = (0.0, 0.0)
+) -> bpy.types.NodeSocket:
+    """Rotation from an image: black to white is one whole turn, counted from ``turn`` (radians)."""
+    texture, scale = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeMath")
+    texture.name, scale.name = ANGLE_IMAGE, "Diffraction Angle"
+    texture.image = image
+    texture.interpolation = "Closest"  # between white and black lies a whole turn, not half of one
+    scale.operation = "MULTIPLY_ADD"
+    scale.inputs[1].default_value, scale.inputs[2].default_value = 2.0 * math.pi, turn
+    texture.location, scale.location = (at[0] - 300.0, at[1]), at
+    tree.links.new(texture.outputs["Color"], scale.inputs[0])
+    return scale.outputs["Value"]

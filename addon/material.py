@@ -10,7 +10,7 @@ import bpy
 
 from ..precompute import importance
 from ..precompute.colour import xyz_to_rgb_matrix
-from ..precompute.errors import TableError
+from ..precompute.errors import ParameterError, TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import SpectralTable, read_sidecar
 from . import frame, lights, osl, paths, script_node
@@ -40,8 +40,16 @@ class Settings:
         Index of refraction of the dielectric.
     conserve_energy
         Divide f by the albedo where that passes 1.
+    orientation
+        Where the scan's x comes from: ``UV`` (tangent of a UV map), ``ATTRIBUTE`` (a vector attribute of
+        the mesh, in object space), ``RADIAL`` (away from the object's z axis: discs) or ``TEXTURE``
+        (UV tangent, turned by an image whose white is a whole turn).
     uv_map
-        Name of the UV map whose tangent is the scan's x; empty takes the active one.
+        Name of the UV map; empty takes the active one.
+    attribute
+        Name of the vector attribute.
+    angle_image
+        Name of the image data-block of ``TEXTURE``.
     rotation
         Of the scan about the normal, radians.
     brightness
@@ -54,7 +62,10 @@ class Settings:
     fresnel: str = "DIELECTRIC"
     ior: float = 1.5
     conserve_energy: bool = True
+    orientation: str = "UV"
     uv_map: str = ""
+    attribute: str = ""
+    angle_image: str = ""
     rotation: float = 0.0
     brightness: float = 1.0
     environment: int = 1
@@ -160,7 +171,6 @@ def set_settings(node: bpy.types.Node, settings: Settings) -> None:
     node.inputs["Fresnel"].default_value = osl.FRESNEL[settings.fresnel]
     node.inputs["IOR"].default_value = settings.ior
     node.inputs["ConserveEnergy"].default_value = int(settings.conserve_energy)
-    node.inputs["Rotation"].default_value = settings.rotation
     node.inputs["Brightness"].default_value = settings.brightness
     node.inputs["Environment"].default_value = settings.environment
 
@@ -176,13 +186,25 @@ def settings_of(material: bpy.types.Material) -> Settings:
     """The artist's choice, read back from the sockets."""
     inputs = shader_node(material).inputs
     names = {value: name for name, value in osl.FRESNEL.items()}
-    tangent = material.node_tree.nodes.get(frame.TANGENT)
+    nodes = material.node_tree.nodes
+    tangent, picture = nodes.get(frame.TANGENT), nodes.get(frame.ANGLE_IMAGE)
+    attribute = nodes.get(frame.ATTRIBUTE)
+    orientation, turn = "UV", inputs["Rotation"].default_value
+    if attribute is not None:
+        orientation = "ATTRIBUTE"
+    elif tangent is not None and tangent.bl_idname == "ShaderNodeTangent":
+        orientation, turn = "RADIAL", turn - frame.RADIAL_TURN
+    elif picture is not None:
+        orientation = "TEXTURE"
     return Settings(
         fresnel=names.get(inputs["Fresnel"].default_value, "DIELECTRIC"),
         ior=inputs["IOR"].default_value,
         conserve_energy=bool(inputs["ConserveEnergy"].default_value),
-        uv_map=tangent.uv_map if tangent is not None else "",
-        rotation=inputs["Rotation"].default_value,
+        orientation=orientation,
+        uv_map=getattr(tangent, "uv_map", ""),
+        attribute=attribute.attribute_name if attribute is not None else "",
+        angle_image=picture.image.name if picture is not None and picture.image is not None else "",
+        rotation=turn,
         brightness=inputs["Brightness"].default_value,
         environment=inputs["Environment"].default_value,
     )
@@ -241,9 +263,30 @@ def _connect(material: bpy.types.Material, node: bpy.types.Node, settings: Setti
         node.location = (0.0, 200.0)
         output.location = (340.0, 200.0)
         tree.links.new(pigment.outputs["BSDF"], node.inputs["Base"])
+    _orient(tree, node, settings)
+    tree.links.new(node.outputs["BSDF"], surface)
+
+
+def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) -> None:
+    """Nodes that say how the scan lies on the surface; those of an earlier choice go."""
     for old in [n for n in tree.nodes if n.name.startswith("Diffraction ")]:
         tree.nodes.remove(old)
-    tangent, bitangent = frame.uv_frame(tree, settings.uv_map, at=(node.location.x - 280.0, node.location.y - 200.0))
+    at = (node.location.x - 280.0, node.location.y - 200.0)
+    turn = settings.rotation
+    if settings.orientation == "ATTRIBUTE":
+        tangent, bitangent = frame.attribute_frame(tree, settings.attribute, at)
+    elif settings.orientation == "RADIAL":
+        tangent, bitangent = frame.radial_frame(tree, at)
+        turn += frame.RADIAL_TURN
+    else:
+        tangent, bitangent = frame.uv_frame(tree, settings.uv_map, at)
     tree.links.new(tangent, node.inputs["Tangent"])
-    tree.links.new(bitangent, node.inputs["Bitangent"])
-    tree.links.new(node.outputs["BSDF"], surface)
+    if bitangent is not None:
+        tree.links.new(bitangent, node.inputs["Bitangent"])
+    node.inputs["Rotation"].default_value = turn
+    if settings.orientation == "TEXTURE":
+        image = bpy.data.images.get(settings.angle_image)
+        if image is None:
+            raise ParameterError(f"There is no image '{settings.angle_image}'; load the image of the angles first.")
+        angle = frame.angle_image(tree, image, turn, (at[0], at[1] - 400.0))
+        tree.links.new(angle, node.inputs["Rotation"])

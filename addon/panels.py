@@ -93,8 +93,17 @@ class DIFFRACTION_PT_material(_Sidebar, bpy.types.Panel):
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
             layout.prop(state, "ior")
+        layout.prop(state, "orientation")
+        active = context.object.data if context.object is not None and context.object.type == "MESH" else None
+        if state.orientation in {"UV", "TEXTURE"} and active is not None:
+            layout.prop_search(state, "uv_map", active, "uv_layers")
+        if state.orientation == "ATTRIBUTE" and active is not None:
+            layout.prop_search(state, "attribute", active, "attributes")
+        if state.orientation == "TEXTURE":
+            layout.prop_search(state, "angle_image", bpy.data, "images")
         layout.prop(state, "rotation")
         layout.prop(state, "conserve_energy")
+        layout.prop(state, "environment")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
 
 

@@ -39,6 +39,13 @@ FRESNEL_ITEMS = [
     ("NONE", "None", "Reflects everything"),
 ]
 
+ORIENTATION_ITEMS = [
+    ("UV", "UV Map", "The scan's x runs along u"),
+    ("ATTRIBUTE", "Attribute", "The scan's x runs along a vector attribute of the mesh"),
+    ("RADIAL", "Radial", "The scan's x points away from the object's z axis: discs"),
+    ("TEXTURE", "Angle Image", "UV map, turned by an image: white is a whole turn"),
+]
+
 
 def sigma_s() -> FloatProperty:
     """Standard deviation of the coherence window."""
@@ -131,6 +138,16 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
         description="Keep the reflected light from passing the incoming light at grazing angles",
         default=True,
     )
+    orientation: EnumProperty(
+        name="Orientation", description="How the scan lies on the surface", items=ORIENTATION_ITEMS
+    )
+    uv_map: StringProperty(name="UV Map", description="Empty takes the active one")
+    attribute: StringProperty(name="Attribute", description="Name of the vector attribute")
+    angle_image: StringProperty(name="Image", description="Name of the image of the angles")
+    environment: IntProperty(
+        name="Environment", description="Random mirrors a sample for world, emitters and bounce light; 0: lamps only",
+        default=1, min=0, max=8,
+    )  # fmt: skip
     rotation: FloatProperty(
         name="Rotation", description="Turn of the scan on the surface", subtype="ANGLE", default=0.0,
         soft_min=-math.pi, soft_max=math.pi,

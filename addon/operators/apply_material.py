@@ -9,6 +9,10 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ...precompute.errors import DiffractionError
 from .. import lights, material, paths, properties, setup
 
+_FROM_PANEL = (
+    "fresnel", "ior", "conserve_energy", "orientation", "uv_map", "attribute", "angle_image", "rotation", "environment",
+)  # fmt: skip
+
 
 class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     """Make the selected objects diffract; a material they have stays underneath as pigment"""
@@ -25,6 +29,11 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     )
     ior: properties.ior()
     conserve_energy: BoolProperty(name="Conserve Energy", default=True)
+    orientation: EnumProperty(
+        name="Orientation", description="How the scan lies on the surface", items=properties.ORIENTATION_ITEMS
+    )
+    attribute: StringProperty(name="Attribute", description="Vector attribute of ATTRIBUTE")
+    angle_image: StringProperty(name="Image", description="Image of TEXTURE")
     uv_map: StringProperty(name="UV Map", description="Whose tangent is the scan's x; empty takes the active one")
     rotation: FloatProperty(name="Rotation", description="Turn of the scan on the surface", subtype="ANGLE")
 
@@ -44,7 +53,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         return True
 
     def invoke(self, context, event):
-        for name in ("fresnel", "ior", "conserve_energy", "rotation"):
+        for name in _FROM_PANEL:
             if not self.properties.is_property_set(name):
                 setattr(self, name, getattr(context.scene.diffraction, name))
         return self.execute(context)
@@ -54,7 +63,10 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             fresnel=self.fresnel,
             ior=self.ior,
             conserve_energy=self.conserve_energy,
+            orientation=self.orientation,
             uv_map=self.uv_map,
+            attribute=self.attribute,
+            angle_image=self.angle_image,
             rotation=self.rotation,
             environment=self.environment,
         )
