@@ -21,9 +21,15 @@ def demo_pictures():
         shutil.copy(out / name, PICTURES / name)
 
 
+def preset_pictures():
+    """Heights and BRDF maps of all presets."""
+    subprocess.run([sys.executable, ROOT / "tools" / "preset_pictures.py", PICTURES / "presets.png"], check=True)
+
+
 def main():
     PICTURES.mkdir(parents=True, exist_ok=True)
     demo_pictures()
+    preset_pictures()
     for path in sorted(PICTURES.iterdir()):
         print(path.relative_to(ROOT), f"{path.stat().st_size / 1e3:.0f} kB")
 

@@ -25,18 +25,20 @@ def _morpho(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Map
     rng = np.random.default_rng(int(values["seed"]))
     period, width = values["ridge_period_um"] * UM, values["ridge_width_um"] * UM
     step, length = values["lamella_nm"] * NM, values["lamella_length_um"] * UM
-    ridges = int(np.ceil(size[0] / period)) + 1
-    lamellae = int(np.ceil(size[1] / length)) + 2
-    starts = rng.uniform(0.0, 1.0, ridges)
-    # Heights of ridges and lamellae vary over the distance of two lamellae, so that their phases are unrelated.
-    heights = rng.uniform(0.0, 1.0, (ridges, 1)) + 0.25 * rng.uniform(-1.0, 1.0, (ridges, lamellae))
     ridge = np.floor(x / period).astype(np.int64)
     across = np.abs(x - (ridge + 0.5) * period)
     profile = np.clip((width / 2.0 - across) / (0.25 * width) + 0.5, 0.0, 1.0)
-    along = y[:, None] / length + starts[ridge][None, :]
-    lamella = np.floor(along).astype(np.int64)
-    # A lamella rises along y and ends in a step, where the next one below comes to the top.
-    top = step * (along - lamella) + values["irregularity_nm"] * NM * heights[ridge[None, :], lamella]
+    top = np.empty((y.size, x.size))
+    count = int(np.ceil(size[1] / (0.5 * length))) + 3
+    for number in range(int(ridge.max()) + 1):
+        # A lamella rises along y and ends in a step, where the next one below comes to the top.
+        lengths = length * rng.uniform(0.5, 1.5, count)
+        ends = np.cumsum(lengths) - lengths[0] * rng.uniform(0.0, 1.0)
+        lamella = np.searchsorted(ends, y)
+        share = 1.0 - (ends[lamella] - y) / lengths[lamella]
+        # Heights of ridges and lamellae vary by a lamella or more, so that their phases are unrelated.
+        heights = rng.uniform(0.0, 1.0) + 0.25 * rng.uniform(-1.0, 1.0, count)
+        top[:, ridge == number] = (step * share + values["irregularity_nm"] * NM * heights[lamella])[:, None]
     return profile[None, :] * (top + 2.0 * step)
 
 

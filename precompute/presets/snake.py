@@ -6,7 +6,7 @@ The sunbeam snake's (Xenopeltis unicolor) dimensions are measured on an atomic f
 height falls by some 70 nm; along a finger the height rises from its root to its tip, a sawtooth
 across the rows; narrow grooves separate the fingers; the rows wander by a fraction of their
 distance, lean, and the whole skin is wavy over tens of micrometres. The corn snake (Elaphe
-guttata) has fingers twice as broad in longer rows, too coarse and too irregular for strong colours.
+guttata) has fingers twice as broad in longer rows, whose colours lie closer to the reflection.
 """
 
 from __future__ import annotations
@@ -111,7 +111,7 @@ PRESETS = (
     Preset(
         "elaphe",
         "Corn Snake (Elaphe)",
-        "Broad fingers on the shed skin of Elaphe guttata, whose colours stay faint.",
+        "Broad fingers in long rows on the shed skin of Elaphe guttata: narrow colours close to the reflection.",
         "Columns 1.0-1.13 um apart as on the scans of M. Single, Diffraction Shader, 2014 (LANE lab, Geneva); "
         "distance of the rows and heights are estimates.",
         65.0,

@@ -32,6 +32,18 @@ def test_parameters_have_units_and_sane_limits(name):
 
 
 @pytest.mark.parametrize("name", PRESETS)
+def test_the_docs_tell_every_parameter_and_source(root_dir, name):
+    text = (root_dir / "docs" / "presets.md").read_text(encoding="utf-8")
+    section = text.split(f": `{name}`\n")[1].split("\n## ")[0]
+    assert PRESETS[name].source in section
+    for parameter in PRESETS[name].parameters:
+        default = "off" if parameter.default is False else f"{parameter.default:g}"
+        (row,) = [line for line in section.splitlines() if line.startswith(f"| `{parameter.flag}` |")]
+        assert f"| {default}" in row
+        assert parameter.help in row
+
+
+@pytest.mark.parametrize("name", PRESETS)
 def test_the_same_parameters_give_the_same_bits(name):
     first, second = (make_preset(name, size_m=8e-6) for _ in range(2))
     np.testing.assert_array_equal(first.heights, second.heights)
