@@ -36,9 +36,10 @@ class _Parser(argparse.ArgumentParser):
 
 
 def one_sentence(message: object) -> str:
-    """A message on one line, with a capital letter and a full stop."""
+    """A message on one line, with a full stop, and a capital letter unless it starts with the name of a file."""
     text = " ".join(str(message).split()) or "Something went wrong"
-    text = text[0].upper() + text[1:]
+    if text.split(maxsplit=1)[0].isalpha():
+        text = text[0].upper() + text[1:]
     return text if text.endswith((".", "!", "?")) else text + "."
 
 
