@@ -59,7 +59,7 @@ def attribute_frame(
 
 
 def radial_frame(tree: bpy.types.NodeTree, at: tuple[float, float] = (0.0, 0.0)) -> tuple[bpy.types.NodeSocket, None]:
-    """Tangent around the object's z axis (through the middle of its bounding box): counter-clockwise, as Blender has it.
+    """Tangent around the object's z axis through the middle of its bounding box: counter-clockwise.
 
     Turned back by a right angle (`RADIAL_TURN`) the scan's x points away from the axis.
     """

@@ -35,12 +35,13 @@ def update_lamps(scene: bpy.types.Scene, force: bool = False) -> bool:
     try:
         lamps = lights.lamp_objects(scene)
         for each in materials:
+            material.follow_lamps(each, scene)
             node = material.shader_node(each)
-            lights.bind(node, lamps)
             material.set_working_space(node, each.get("diffraction_illuminant", "D65"))
         setup.prepare_scene(scene, lamps)
         _signatures[key] = signature
-        text = lights.too_many(lamps) if len(lamps) > lights.LAMPS_MAX else ""
+        limit = min(map(material.lamps_max, materials))
+        text = lights.too_many(lamps, limit) if len(lamps) > limit else ""
         if hasattr(scene, "diffraction") and scene.diffraction.message != text:
             scene.diffraction.message = text
     finally:

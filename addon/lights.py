@@ -126,10 +126,10 @@ def _shape_of(light: bpy.types.Light) -> tuple:
     return light.name_full, light.type, getattr(light, "shape", "")
 
 
-def too_many(lamps: list[bpy.types.Object]) -> str:
+def too_many(lamps: list[bpy.types.Object], limit: int = LAMPS_MAX) -> str:
     """The warning for more lamps than a material can follow."""
-    left_out = ", ".join(lamp.name for lamp in lamps[LAMPS_MAX:][:3])
-    return f"{len(lamps)} lamps, but a material follows {LAMPS_MAX}: {left_out} and further ones are not diffracted"
+    left_out = ", ".join(lamp.name for lamp in lamps[limit:][:3])
+    return f"{len(lamps)} lamps, but a material follows {limit}: {left_out} and further ones are not diffracted"
 
 
 def bind(node: bpy.types.Node, lamps: list[bpy.types.Object]) -> None:
@@ -143,10 +143,12 @@ def bind(node: bpy.types.Node, lamps: list[bpy.types.Object]) -> None:
     node
         A node with the sockets ``Lamp1Kind`` ... of ``shaders/diffraction.osl``.
     lamps
-        At most `LAMPS_MAX` are taken.
+        As many are taken as the node has sockets for.
     """
     for number in range(1, LAMPS_MAX + 1):
         prefix = f"Lamp{number}"
+        if prefix + "Kind" not in node.inputs:
+            break
         for name in ("Place", "AxisU", "AxisV", "Size"):
             node.inputs[prefix + name].driver_remove("default_value")
         if number > len(lamps):

@@ -13,13 +13,16 @@ from ..precompute.colour import xyz_to_rgb_matrix
 from ..precompute.errors import ParameterError, TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import SpectralTable, read_sidecar
-from . import frame, lights, osl, paths, script_node
+from . import frame, lights, nodes_twin, osl, paths, script_node
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"
 
 #: Custom property of a material of ours: path of its table.
 TABLE_KEY = "diffraction_table"
+
+#: Name of the second output node of materials without OSL.
+EEVEE_OUTPUT = "EEVEE Output"
 
 #: Sockets that an artist turns while looking.
 LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Environment", "DiffuseLimit", "Cone")
@@ -34,6 +37,9 @@ class Settings:
 
     Parameters
     ----------
+    implementation
+        ``OSL`` (Cycles on CPU and OptiX; lamps and environment) or ``NODES`` (Cycles on any device and
+        EEVEE; up to 8 lamps by their middle, no environment; packed into the .blend).
     fresnel
         ``NONE`` (R = 1), ``DIELECTRIC`` (Schlick) or ``CONDUCTOR``.
     ior
@@ -59,6 +65,7 @@ class Settings:
         have less noise.
     """
 
+    implementation: str = "OSL"
     fresnel: str = "DIELECTRIC"
     ior: float = 1.5
     conserve_energy: bool = True
@@ -99,6 +106,8 @@ def atlas_image(path: Path) -> bpy.types.Image:
     """
     for image in bpy.data.images:
         if image.library is None and Path(bpy.path.abspath(image.filepath)) == path:
+            if image.packed_file is not None:
+                image.unpack(method="REMOVE")  # a packed image would reload its old self
             image.reload()
             break
     else:
@@ -148,12 +157,19 @@ def apply(
     layout = TableLayout.from_dict(sidecar["layout"])
     image = atlas_image(path)
 
-    text = _source_text(path.stem, osl.source(layout, float(sidecar["albedo_max"])))
-    node = _place_node(material)
-    script_node.fill(node, text)
+    albedo_max = float(sidecar["albedo_max"])
+    kind = "ShaderNodeScript" if settings.implementation == "OSL" else "ShaderNodeGroup"
+    node = _place_node(material, kind)
+    if settings.implementation == "OSL":
+        script_node.fill(node, _source_text(path.stem, osl.source(layout, albedo_max)))
+        node.inputs["Atlas"].default_value = image.filepath
+        node.inputs["Importance"].default_value = importance_image(path, sidecar["atlas"]["sha256"]).filepath
+    else:
+        image.pack()
+        node.node_tree = nodes_twin.build(
+            material.name, image, layout, albedo_max, settings.fresnel, settings.conserve_energy, lamps
+        )
     node.label = f"Diffraction: {path.stem}"
-    node.inputs["Atlas"].default_value = image.filepath
-    node.inputs["Importance"].default_value = importance_image(path, sidecar["atlas"]["sha256"]).filepath
     _connect(material, node, settings)
     set_settings(node, settings)
     set_working_space(node, sidecar["colour"]["illuminant"])
@@ -197,6 +213,7 @@ def settings_of(material: bpy.types.Material) -> Settings:
     elif picture is not None:
         orientation = "TEXTURE"
     return Settings(
+        implementation="OSL" if shader_node(material).bl_idname == "ShaderNodeScript" else "NODES",
         fresnel=names.get(inputs["Fresnel"].default_value, "DIELECTRIC"),
         ior=inputs["IOR"].default_value,
         conserve_energy=bool(inputs["ConserveEnergy"].default_value),
@@ -231,24 +248,48 @@ def _source_text(stem: str, source: str) -> bpy.types.Text:
     return text
 
 
-def _place_node(material: bpy.types.Material) -> bpy.types.Node:
-    nodes = material.node_tree.nodes
-    node = nodes.get(NODE)
-    if node is not None and node.bl_idname != "ShaderNodeScript":
-        nodes.remove(node)
-        node = None
-    if node is None:
-        node = nodes.new("ShaderNodeScript")
-        node.name = NODE
-        node.width = 260.0
+def follow_lamps(material: bpy.types.Material, scene: bpy.types.Scene) -> None:
+    """Bind a material to the scene's lamps as they are now."""
+    settings = settings_of(material)
+    if settings.implementation == "NODES" and table_path(material).is_file():
+        apply(material, table_path(material), settings, lights.lamp_objects(scene))
+        return
+    lights.bind(shader_node(material), lights.lamp_objects(scene))
+
+
+def lamps_max(material: bpy.types.Material) -> int:
+    """Lamps that a material can follow."""
+    return osl.LAMPS_MAX if shader_node(material).bl_idname == "ShaderNodeScript" else nodes_twin.LAMPS_MAX
+
+
+def _place_node(material: bpy.types.Material, kind: str) -> bpy.types.Node:
+    """The node of the diffraction; one of the other implementation hands its pigment over and goes."""
+    tree = material.node_tree
+    node = tree.nodes.get(NODE)
+    if node is not None and node.bl_idname == kind:
+        return node
+    pigment = None
+    if node is not None:
+        base = node.inputs.get("Base")
+        pigment = base.links[0].from_socket if base is not None and base.links else None
+        tree.nodes.remove(node)
+    node = tree.nodes.new(kind)
+    node.name = NODE
+    node.width = 260.0
+    if pigment is not None:
+        tree.links.new(pigment, _surface_output(tree, "CYCLES").inputs["Surface"])  # found there by `_connect`
     return node
+
+
+def _surface_output(tree: bpy.types.NodeTree, target: str) -> bpy.types.Node:
+    """The output node of a renderer; one is made where there is none."""
+    output = tree.get_output_node(target) or tree.get_output_node("ALL")
+    return output if output is not None else tree.nodes.new("ShaderNodeOutputMaterial")
 
 
 def _connect(material: bpy.types.Material, node: bpy.types.Node, settings: Settings) -> None:
     tree = material.node_tree
-    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
-    if output is None:
-        output = tree.nodes.new("ShaderNodeOutputMaterial")
+    output = _surface_output(tree, "CYCLES")
     surface = output.inputs["Surface"]
     base = surface.links[0].from_socket if surface.links else None
     if base is not None and base.node != node:
@@ -265,6 +306,17 @@ def _connect(material: bpy.types.Material, node: bpy.types.Node, settings: Setti
         tree.links.new(pigment.outputs["BSDF"], node.inputs["Base"])
     _orient(tree, node, settings)
     tree.links.new(node.outputs["BSDF"], surface)
+    for_eevee = tree.nodes.get(EEVEE_OUTPUT)
+    if "EEVEE" in node.outputs:
+        output.target = "CYCLES"
+        if for_eevee is None:
+            for_eevee = tree.nodes.new("ShaderNodeOutputMaterial")
+            for_eevee.name, for_eevee.label, for_eevee.target = EEVEE_OUTPUT, "EEVEE", "EEVEE"
+            for_eevee.location = (output.location.x, output.location.y - 180.0)
+        tree.links.new(node.outputs["EEVEE"], for_eevee.inputs["Surface"])
+    elif for_eevee is not None:
+        tree.nodes.remove(for_eevee)
+        output.target = "ALL"
 
 
 def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) -> None:

@@ -90,6 +90,9 @@ class DIFFRACTION_PT_material(_Sidebar, bpy.types.Panel):
         layout, state = self.layout, context.scene.diffraction
         layout.use_property_split = True
         layout.use_property_decorate = False
+        layout.prop(state, "implementation")
+        if state.implementation == "NODES":
+            layout.label(text="Up to 8 lamps, no environment", icon="INFO")
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
             layout.prop(state, "ior")
@@ -103,7 +106,8 @@ class DIFFRACTION_PT_material(_Sidebar, bpy.types.Panel):
             layout.prop_search(state, "angle_image", bpy.data, "images")
         layout.prop(state, "rotation")
         layout.prop(state, "conserve_energy")
-        layout.prop(state, "environment")
+        if state.implementation == "OSL":
+            layout.prop(state, "environment")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
 
 

@@ -39,6 +39,11 @@ FRESNEL_ITEMS = [
     ("NONE", "None", "Reflects everything"),
 ]
 
+IMPLEMENTATION_ITEMS = [
+    ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light"),
+    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file"),
+]
+
 ORIENTATION_ITEMS = [
     ("UV", "UV Map", "The scan's x runs along u"),
     ("ATTRIBUTE", "Attribute", "The scan's x runs along a vector attribute of the mesh"),
@@ -131,6 +136,9 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     illuminant: illuminant()
     limit_mb: limit_mb()
 
+    implementation: EnumProperty(
+        name="Implementation", description="What renders the material", items=IMPLEMENTATION_ITEMS
+    )
     fresnel: EnumProperty(name="Fresnel", description="How much the surface reflects", items=FRESNEL_ITEMS)
     ior: ior()
     conserve_energy: BoolProperty(

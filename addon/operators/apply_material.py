@@ -10,8 +10,17 @@ from ...precompute.errors import DiffractionError
 from .. import lights, material, paths, properties, setup
 
 _FROM_PANEL = (
-    "fresnel", "ior", "conserve_energy", "orientation", "uv_map", "attribute", "angle_image", "rotation", "environment",
-)  # fmt: skip
+    "implementation",
+    "fresnel",
+    "ior",
+    "conserve_energy",
+    "orientation",
+    "uv_map",
+    "attribute",
+    "angle_image",
+    "rotation",
+    "environment",
+)
 
 
 class DIFFRACTION_OT_apply_material(bpy.types.Operator):
@@ -21,6 +30,9 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     bl_label = "Apply"
     bl_options = {"REGISTER", "UNDO"}
 
+    implementation: EnumProperty(
+        name="Implementation", description="What renders the material", items=properties.IMPLEMENTATION_ITEMS
+    )
     fresnel: EnumProperty(
         name="Fresnel",
         description="How much the surface reflects",
@@ -60,6 +72,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
 
     def execute(self, context):
         settings = material.Settings(
+            implementation=self.implementation,
             fresnel=self.fresnel,
             ior=self.ior,
             conserve_energy=self.conserve_energy,
@@ -85,8 +98,9 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
         if not lamps and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
-        if len(lamps) > lights.LAMPS_MAX:
-            self.report({"WARNING"}, lights.too_many(lamps))
+        limit = min(map(material.lamps_max, made.values()))
+        if len(lamps) > limit:
+            self.report({"WARNING"}, lights.too_many(lamps, limit))
         return {"FINISHED"}
 
 

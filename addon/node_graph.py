@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Formulas as shader nodes: small functions that add a node and return its socket."""
+
+from __future__ import annotations
+
+import bpy
+
+Socket = bpy.types.NodeSocket
+
+#: A socket, or a constant that goes into the socket it is given to.
+Value = "Socket | float | tuple[float, float, float]"
+
+
+class Graph:
+    """Adds nodes to a tree, left to right.
+
+    Parameters
+    ----------
+    tree
+        A shader node tree.
+    """
+
+    def __init__(self, tree: bpy.types.NodeTree) -> None:
+        self.tree = tree
+        self._place = 0
+
+    def add(self, kind: str, **properties: object) -> bpy.types.Node:
+        """A node of a type, its properties set, collapsed and out of the way of the others."""
+        node = self.tree.nodes.new(kind)
+        for name, value in properties.items():
+            setattr(node, name, value)
+        node.hide = True
+        node.location = (180.0 * (self._place // 12), -60.0 * (self._place % 12))
+        self._place += 1
+        return node
+
+    def put(self, socket: Socket, value: Value) -> None:
+        """Link a socket to a value, or set it."""
+        if isinstance(value, bpy.types.NodeSocket):
+            self.tree.links.new(value, socket)
+        elif socket.type == "RGBA" and not isinstance(value, float):
+            socket.default_value = (*value, 1.0) if len(value) == 3 else value
+        else:
+            socket.default_value = value
+
+    def math(self, operation: str, *values: Value) -> Socket:
+        """A Math node."""
+        node = self.add("ShaderNodeMath", operation=operation)
+        for socket, value in zip(node.inputs, values, strict=False):
+            self.put(socket, value if isinstance(value, bpy.types.NodeSocket) else float(value))
+        return node.outputs[0]
+
+    def sum(self, a: Value, b: Value) -> Socket:
+        """a + b."""
+        return self.math("ADD", a, b)
+
+    def difference(self, a: Value, b: Value) -> Socket:
+        """a - b."""
+        return self.math("SUBTRACT", a, b)
+
+    def product(self, a: Value, *others: Value) -> Socket:
+        """a b c ..."""
+        for other in others:
+            a = self.math("MULTIPLY", a, other)
+        return a
+
+    def quotient(self, a: Value, b: Value) -> Socket:
+        """a / b, 0 where b is 0."""
+        return self.math("DIVIDE", a, b)
+
+    def fused(self, a: Value, b: Value, c: Value) -> Socket:
+        """a b + c."""
+        return self.math("MULTIPLY_ADD", a, b, c)
+
+    def clamp(self, a: Value, low: float, high: float) -> Socket:
+        """a within [low, high]."""
+        return self.math("MAXIMUM", self.math("MINIMUM", a, high), low)
+
+    def vector(self, operation: str, *values: Value) -> Socket:
+        """A Vector Math node that gives a vector."""
+        return self._vector_node(operation, values).outputs["Vector"]
+
+    def scalar(self, operation: str, *values: Value) -> Socket:
+        """A Vector Math node that gives a number (DOT_PRODUCT, LENGTH)."""
+        return self._vector_node(operation, values).outputs["Value"]
+
+    def scaled(self, a: Value, by: Value) -> Socket:
+        """A vector times a number."""
+        node = self.add("ShaderNodeVectorMath", operation="SCALE")
+        self.put(node.inputs[0], a)
+        self.put(node.inputs["Scale"], by)
+        return node.outputs["Vector"]
+
+    def _vector_node(self, operation: str, values: tuple[Value, ...]) -> bpy.types.Node:
+        node = self.add("ShaderNodeVectorMath", operation=operation)
+        for socket, value in zip(node.inputs, values, strict=False):
+            self.put(socket, value)
+        return node
+
+    def split(self, vector: Value) -> tuple[Socket, Socket, Socket]:
+        """Components of a vector."""
+        node = self.add("ShaderNodeSeparateXYZ")
+        self.put(node.inputs[0], vector)
+        return tuple(node.outputs)
+
+    def join(self, x: Value, y: Value, z: Value) -> Socket:
+        """A vector of components."""
+        node = self.add("ShaderNodeCombineXYZ")
+        for socket, value in zip(node.inputs, (x, y, z), strict=True):
+            self.put(socket, value)
+        return node.outputs[0]
+
+    def mix(self, factor: Value, a: Value, b: Value) -> Socket:
+        """Vectors a (1 - factor) + b factor."""
+        node = self.add("ShaderNodeMix", data_type="VECTOR", clamp_factor=False)
+        for name, value in (("Factor_Float", factor), ("A_Vector", a), ("B_Vector", b)):
+            self.put(next(s for s in node.inputs if s.identifier == name), value)
+        return next(s for s in node.outputs if s.identifier == "Result_Vector")
+
+    def group(self, tree: bpy.types.NodeTree, **values: Value) -> bpy.types.Node:
+        """An instance of a node group."""
+        node = self.add("ShaderNodeGroup", node_tree=tree)
+        for name, value in values.items():
+            self.put(node.inputs[name], value)
+        return node
+
+
+def new_group(name: str) -> bpy.types.NodeTree:
+    """An empty shader node group of a name; one that exists is emptied."""
+    tree = bpy.data.node_groups.get(name)
+    if tree is None or tree.library is not None or tree.bl_idname != "ShaderNodeTree":
+        tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
+    tree.nodes.clear()
+    return tree
+
+
+def interface(tree: bpy.types.NodeTree, inputs: dict[str, tuple[str, object]], outputs: dict[str, str]) -> None:
+    """Make a group's sockets exactly these; those that stay keep their values where the group is used.
+
+    Parameters
+    ----------
+    inputs
+        Name: (socket type, default or None).
+    outputs
+        Name: socket type.
+    """
+    wanted = {("INPUT", name): kind for name, (kind, _) in inputs.items()}
+    wanted |= {("OUTPUT", name): kind for name, kind in outputs.items()}
+    for item in list(tree.interface.items_tree):
+        if wanted.get((item.in_out, item.name)) != item.socket_type:
+            tree.interface.remove(item)
+    there = {(item.in_out, item.name) for item in tree.interface.items_tree}
+    for (in_out, name), kind in wanted.items():
+        if (in_out, name) in there:
+            continue
+        item = tree.interface.new_socket(name, in_out=in_out, socket_type=kind)
+        default = inputs[name][1] if in_out == "INPUT" else None
+        if default is not None:
+            item.default_value = default
