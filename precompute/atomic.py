@@ -11,6 +11,9 @@ from pathlib import Path
 
 from .errors import OutputError
 
+#: How the names of temporary files begin; one is left behind where a process is killed.
+TEMPORARY = ".tmp-"
+
 
 @contextmanager
 def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
@@ -47,7 +50,7 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
         target.parent.mkdir(parents=True, exist_ok=True)
         # A short name of its own, so that long target names do not pass the limit of the file system.
         # Not by tempfile, whose files are private: this one gets the mode of an ordinary new file.
-        temporary = target.parent / f".tmp-{secrets.token_hex(8)}{target.suffix}"
+        temporary = target.parent / f"{TEMPORARY}{secrets.token_hex(8)}{target.suffix}"
         temporary.touch(exist_ok=False)
     except OSError as error:
         raise _cannot_write(target, error) from error

@@ -13,6 +13,7 @@ import numpy as np
 
 from .albedo import albedo_map
 from .balance import balance
+from .cache import TableCache, origin, table_key
 from .colour import spectral_weights, white_xyz
 from .errors import ScanError, SizeLimitError
 from .heightfield import HeightField
@@ -49,11 +50,14 @@ class BakeReport:
         The table itself.
     seconds
         Wall time a stage, and ``total``.
+    cache
+        ``none``, ``hit`` (nothing was computed), ``stored`` or ``not stored`` (no room or no permission).
     """
 
     path: Path
     table: SpectralTable
     seconds: dict[str, float] = field(default_factory=dict)
+    cache: str = "none"
 
 
 class _Stages:
@@ -125,6 +129,7 @@ def bake_file(
     parameters: BakeParameters,
     progress: Progress | None = None,
     name: str | None = None,
+    cache: TableCache | None = None,
     **reading: object,
 ) -> BakeReport:
     """Read a scan, bake it and write ``<out_dir>/<name>.exr`` and ``.json``.
@@ -139,13 +144,15 @@ def bake_file(
         See :func:`bake`.
     name
         Name of the table; the scan's by default.
+    cache
+        Where the table is looked up before and stored after the computation; the files are the same either way.
     **reading
         Passed to :func:`precompute.readers.read_scan` (``size_m``, ``height_m``, ``channel``).
 
     Returns
     -------
     BakeReport
-        Path, table and seconds a stage.
+        Path, table, seconds a stage and what the cache did.
     """
     from .output_folder import ensure_folder
 
@@ -154,7 +161,7 @@ def bake_file(
     scan = read_scan(path, **reading)
     folder = ensure_folder(out_dir)
     stages.done("read")
-    table = _bake(scan, parameters, stages)
+    table, found = _cached_bake(scan, parameters, stages, cache)
     stages.report("write", 0.97)
     written = table.save(folder / f"{name or Path(path).stem}.exr")
     if parameters.series != "nodes":
@@ -163,7 +170,25 @@ def bake_file(
         save_terms(prepare(scan, parameters), parameters, written)
     stages.done("write")
     stages.report("done", 1.0)
-    return BakeReport(written, table, stages.seconds)
+    return BakeReport(written, table, stages.seconds, found)
+
+
+def _cached_bake(
+    scan: HeightField, parameters: BakeParameters, stages: _Stages, cache: TableCache | None
+) -> tuple[SpectralTable, str]:
+    """The table, and what the cache did."""
+    if cache is None:
+        return _bake(scan, parameters, stages), "none"
+    key = table_key(scan, parameters)
+    table = cache.get(key)
+    stages.done("cache")
+    if table is not None:
+        table.info["source"].update(origin(scan))
+        return table, "hit"
+    table = _bake(scan, parameters, stages)
+    stored = cache.put(key, table)
+    stages.done("cache")
+    return table, "stored" if stored else "not stored"
 
 
 def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> SpectralTable:
@@ -199,12 +224,10 @@ def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> Spe
     layout, atlas = assemble(texels, layout, albedo)
     stages.done("atlas")
     info = {
+        "key": table_key(scan, parameters),
         "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
         "source": {
-            "name": scan.metadata.get("name"),
-            "format": scan.metadata.get("format"),
-            "channel": scan.metadata.get("channel"),
-            "sha256": scan.metadata.get("sha256"),
+            **origin(scan),
             "shape": list(patch.shape),
             "size_m": list(patch.size_m),
             "processing": [dict(step) for step in patch.processing],

@@ -24,5 +24,12 @@ TAPER_FRACTION = 0.2
 #: Version of the spectral table's files (EXR atlas and JSON sidecar).
 TABLE_FORMAT_VERSION = 1
 
+#: Version of the computation: raise it whenever the same scan and parameters give other texels, so that
+#: no cache hands out what an older release computed.
+BAKE_VERSION = 1
+
 #: Largest bake without an explicit limit (bytes of texels as a renderer loads them).
 TABLE_LIMIT_BYTES = 1024 * 1024 * 1024
+
+#: Largest cache of tables without an explicit limit (bytes on disk).
+CACHE_LIMIT_BYTES = 4 * 1024 * 1024 * 1024

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -25,9 +26,26 @@ def write_half_rgb(path: str | Path, pixels: np.ndarray, text: str = "") -> None
     import OpenEXR
 
     header = {"compression": OpenEXR.NO_COMPRESSION, "type": OpenEXR.scanlineimage, _TEXT: text}
-    channels = {"RGB": np.ascontiguousarray(pixels[::-1], np.float16)}
-    with OpenEXR.File(header, channels) as image:
-        image.write(os.fspath(path))
+    write_image(path, header, {"RGB": np.ascontiguousarray(pixels[::-1], np.float16)})
+
+
+def write_image(path: str | Path, header: dict[str, Any], channels: dict[str, np.ndarray]) -> None:
+    """Write one part of an EXR; a full disk is an OSError as everywhere else.
+
+    The library raises bare RuntimeErrors, ``Failed to write pixel data to image file "...". File too large.``
+
+    Raises
+    ------
+    OSError
+        If the file cannot be written.
+    """
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(header, channels) as image:
+            image.write(os.fspath(path))
+    except RuntimeError as error:
+        raise OSError(str(error).rpartition('". ')[2].strip() or "the image cannot be written") from error
 
 
 def read_half_rgb(path: str | Path) -> np.ndarray:

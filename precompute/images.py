@@ -12,6 +12,7 @@ import numpy as np
 
 from .atomic import atomic_path
 from .errors import OutputError
+from .exr import write_image
 
 SUFFIXES = (".png", ".exr")
 
@@ -70,6 +71,5 @@ def write_exr(path: str | os.PathLike[str], rgb: np.ndarray) -> Path:
     header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     channels = {"RGB": np.ascontiguousarray(rgb[::-1], np.float32)}
     with atomic_path(path) as temporary:
-        with OpenEXR.File(header, channels) as image:
-            image.write(os.fspath(temporary))
+        write_image(temporary, header, channels)
     return Path(path)

@@ -22,6 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from .atomic import atomic_path
+from .exr import write_image
 from .table import SpectralTable
 
 #: Ranges of cos_r, steps of the radius and of the angle.
@@ -179,8 +180,7 @@ def save_importance(image: np.ndarray, path: str | os.PathLike[str], atlas_sha25
         "atlasSha256": atlas_sha256,
     }
     with atomic_path(path) as temporary:
-        with OpenEXR.File(header, {"RGB": np.ascontiguousarray(image[::-1], np.float32)}) as file:
-            file.write(os.fspath(temporary))
+        write_image(temporary, header, {"RGB": np.ascontiguousarray(image[::-1], np.float32)})
 
 
 def made_from(path: str | os.PathLike[str]) -> str | None:

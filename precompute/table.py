@@ -98,9 +98,10 @@ class SpectralTable:
     def save(self, path: str | Path) -> Path:
         """Write ``path`` (``.exr``) and its ``.json`` sidecar, each atomically.
 
-        The atlas carries the sidecar's text in its header. A process that dies between the two files
-        leaves a new atlas beside an old sidecar; :func:`read_sidecar` sees that by the atlas' hash and
-        takes the header's, so a reader meets the old table or the new one, never a mixture.
+        Both are written in full before either takes its place. The atlas carries the sidecar's text in its
+        header: a process that dies between the two renames leaves an old atlas beside a new sidecar, and
+        :func:`read_sidecar` then takes the header's, so a reader meets the old table or the new one,
+        never a mixture.
 
         Returns
         -------
@@ -113,18 +114,34 @@ class SpectralTable:
             If the folder cannot be written.
         """
         path = Path(path).with_suffix(".exr")
+        text = self._sidecar(path.name)
+        with atomic_path(path) as atlas, atomic_path(path.with_suffix(".json")) as sidecar:
+            write_half_rgb(atlas, self.atlas, text)
+            Path(sidecar).write_text(text, encoding="utf-8", newline="\n")
+        return path
+
+    def save_atlas(self, path: str | Path) -> Path:
+        """Write the atlas alone, with its description in the header; :meth:`load_atlas` reads it.
+
+        Raises
+        ------
+        OutputError
+            If the folder cannot be written.
+        """
+        path = Path(path).with_suffix(".exr")
+        with atomic_path(path) as temporary:
+            write_half_rgb(temporary, self.atlas, self._sidecar(path.name))
+        return path
+
+    def _sidecar(self, file: str) -> str:
+        """The sidecar's text for an atlas of that file name."""
         sidecar = {
             "format_version": TABLE_FORMAT_VERSION,
             "layout": self.layout.to_dict(),
-            "atlas": {"file": path.name, "sha256": _pixels_sha256(self.atlas)},
+            "atlas": {"file": file, "sha256": _pixels_sha256(self.atlas)},
             **self.info,
         }
-        text = json.dumps(sidecar, indent=1, sort_keys=True, allow_nan=False) + "\n"
-        with atomic_path(path) as temporary:
-            write_half_rgb(temporary, self.atlas, text)
-        with atomic_path(path.with_suffix(".json")) as temporary:
-            Path(temporary).write_text(text, encoding="utf-8", newline="\n")
-        return path
+        return json.dumps(sidecar, indent=1, sort_keys=True, allow_nan=False) + "\n"
 
     @classmethod
     def load(cls, path: str | Path, verify: bool = True) -> SpectralTable:
@@ -136,7 +153,22 @@ class SpectralTable:
             If a file is missing, damaged, of another version, or the two do not belong together.
         """
         path = Path(path).with_suffix(".exr")
-        sidecar = read_sidecar(path)
+        return cls._load(path, read_sidecar(path), verify)
+
+    @classmethod
+    def load_atlas(cls, path: str | Path) -> SpectralTable:
+        """Read a table by its atlas alone, from the description in the header.
+
+        Raises
+        ------
+        TableError
+            If the file is missing, damaged or of another version.
+        """
+        path = Path(path).with_suffix(".exr")
+        return cls._load(path, _parse(read_text(path), path.name), verify=True)
+
+    @classmethod
+    def _load(cls, path: Path, sidecar: dict[str, Any], verify: bool) -> SpectralTable:
         layout = TableLayout.from_dict(sidecar["layout"])
         atlas = read_half_rgb(path)
         if verify and _pixels_sha256(atlas) != sidecar["atlas"].get("sha256"):

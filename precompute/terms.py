@@ -8,6 +8,7 @@ window, on the bins of the patch: the windowed methods convolve with the window'
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Iterator
@@ -19,6 +20,7 @@ import numpy as np
 from .atomic import atomic_path
 from .constants import TABLE_FORMAT_VERSION, W_MAX, WAVELENGTH_MIN_M
 from .errors import TableError
+from .exr import write_image
 from .heightfield import HeightField
 from .output_folder import ensure_folder
 from .parameters import BakeParameters
@@ -91,29 +93,39 @@ def make_terms(field: HeightField, parameters: BakeParameters) -> Terms:
 
 
 def save_terms(field: HeightField, parameters: BakeParameters, table_path: str | Path) -> Path:
-    """Write the terms beside a table: ``<table>_terms/term_000.exr`` ... (channels R, G = real, imaginary) and
-    ``terms.json``, the JSON last.
+    """Write the terms beside a table: ``<table>_terms/term_000_<hash>.exr`` ... (channels R, G = real, imaginary)
+    and ``terms.json``, which names them.
+
+    The hash is that of the patch and the series, so the images of two bakes have different names: until the
+    JSON is replaced the old terms are whole, from then on the new ones, and the old images go last.
 
     Returns
     -------
     Path
         The folder.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
     """
     import OpenEXR
 
     series, fx, fy = _series(field, parameters)
     table_path = Path(table_path)
     folder = ensure_folder(table_path.with_name(f"{table_path.stem}_terms"))
-    for n in range(series.terms):
+    decides = repr((field.shape, field.dx, field.dy, parameters.series, parameters.tolerance)).encode()
+    mark = hashlib.sha256(decides + np.ascontiguousarray(field.heights, "<f8").tobytes()).hexdigest()[:12]
+    header = {"compression": OpenEXR.NO_COMPRESSION, "type": OpenEXR.scanlineimage}
+    files = [f"term_{n:03d}_{mark}.exr" for n in range(series.terms)]
+    for n, file in enumerate(files):
         image = series.term(n).astype(np.complex64)[::-1]
         channels = {"R": np.ascontiguousarray(image.real), "G": np.ascontiguousarray(image.imag)}
-        with atomic_path(folder / f"term_{n:03d}.exr") as temporary:
-            with OpenEXR.File({"compression": OpenEXR.NO_COMPRESSION, "type": OpenEXR.scanlineimage}, channels) as file:
-                file.write(os.fspath(temporary))
-    for stale in sorted(folder.glob("term_*.exr"))[series.terms :]:
-        stale.unlink()
+        with atomic_path(folder / file) as temporary:
+            write_image(temporary, header, channels)
     description = {
         "format_version": TABLE_FORMAT_VERSION,
+        "files": files,
         "method": series.method,
         "terms": series.terms,
         "kappa_max": series.kappa_max,
@@ -123,6 +135,8 @@ def save_terms(field: HeightField, parameters: BakeParameters, table_path: str |
     }
     with atomic_path(folder / "terms.json") as temporary:
         Path(temporary).write_text(json.dumps(description, sort_keys=True) + "\n", encoding="utf-8")
+    for old in set(folder.glob("term_*.exr")) - {folder / file for file in files}:
+        old.unlink(missing_ok=True)
     return folder
 
 
@@ -139,7 +153,7 @@ def load_terms(folder: str | Path) -> Terms:
         data = json.loads((folder / "terms.json").read_text(encoding="utf-8"))
         if data["format_version"] != TABLE_FORMAT_VERSION:
             raise TableError(f"The terms in {folder} are of another format version; bake the scan again.")
-        images = np.stack([image[::-1] for image in _read_images(folder, int(data["terms"]))])
+        images = np.stack([image[::-1] for image in _read_images(folder, data["files"])])
         fx, fy = np.array(data["fx"], float), np.array(data["fy"], float)
         if images.shape[1:] != (len(fy), len(fx)):
             raise ValueError("size")
@@ -150,10 +164,12 @@ def load_terms(folder: str | Path) -> Terms:
         raise TableError(f"The terms in {folder} cannot be read; bake the scan again.") from error
 
 
-def _read_images(folder: Path, count: int) -> Iterator[np.ndarray]:
+def _read_images(folder: Path, names: list[str]) -> Iterator[np.ndarray]:
     import OpenEXR
 
-    for n in range(count):
-        with OpenEXR.File(os.fspath(folder / f"term_{n:03d}.exr"), separate_channels=True) as file:
+    for name in names:
+        if Path(name).name != name:
+            raise ValueError("outside the folder")
+        with OpenEXR.File(os.fspath(folder / name), separate_channels=True) as file:
             channels = file.channels()
             yield channels["R"].pixels + 1j * channels["G"].pixels

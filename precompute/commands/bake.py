@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="MB",
         help="refuse tables with more texels than this",
     )
+    options.add_cache(parser)
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
@@ -34,7 +35,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
     parameters = options.bake_parameters(args, detail=args.detail, limit_bytes=int(args.limit_mb * 1e6))
     with options.Progress() as progress:
-        report = bake_file(args.file, args.out, parameters, progress, args.name, **options.scan_reading(args))
+        cache = options.cache(args)
+        report = bake_file(args.file, args.out, parameters, progress, args.name, cache, **options.scan_reading(args))
     return {
         "table": str(report.path),
         "terms": int(report.table.info["terms"]),
@@ -42,6 +44,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         "seconds": {stage: round(seconds, 4) for stage, seconds in report.seconds.items()},
         "peak_rss_bytes": peak_rss_bytes(),
         "albedo_max": report.table.albedo_max,
+        "cache": report.cache,
     }
 
 
@@ -54,6 +57,7 @@ def describe(result: dict[str, Any]) -> str:
         f"texels       {result['bytes'] / 1e6:.1f} MB",
         f"peak memory  {'unknown' if memory is None else f'{memory / 1e6:.0f} MB'}",
         f"albedo       at most {result['albedo_max']:.3f}",
+        f"cache        {result['cache']}",
     ]
     lines += [f"{stage:<14}{seconds:8.2f} s" for stage, seconds in result["seconds"].items()]
     return "\n".join(lines)

@@ -5,13 +5,19 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import sys
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..constants import CACHE_LIMIT_BYTES
 from ..directions import from_angles
 from ..heightfield import HeightField
 from ..parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES, BakeParameters
+
+if TYPE_CHECKING:
+    from ..cache import TableCache
 
 
 def number(text: str) -> float:
@@ -78,6 +84,31 @@ def bake_parameters(args: argparse.Namespace, **more: object) -> BakeParameters:
         illuminant=args.illuminant,
         **more,
     )
+
+
+def add_cache(parser: argparse.ArgumentParser) -> None:
+    """--cache and its limit. Without them nothing is kept: no file appears outside the folders the user names."""
+    parser.add_argument(
+        "--cache",
+        metavar="DIR",
+        default=os.environ.get("DIFFRACTION_CACHE_DIR") or "none",
+        help="keep tables in this folder and take them from it; 'none' (the default unless the environment variable"
+        " DIFFRACTION_CACHE_DIR names a folder) keeps none",
+    )
+    parser.add_argument(
+        "--cache-limit-mb",
+        type=number,
+        default=CACHE_LIMIT_BYTES / 1e6,
+        metavar="MB",
+        help="the tables used longest ago go when the cache is larger than this",
+    )
+
+
+def cache(args: argparse.Namespace) -> TableCache | None:
+    """The cache that `add_cache` names."""
+    from ..cache import TableCache
+
+    return None if args.cache == "none" else TableCache(args.cache, int(args.cache_limit_mb * 1e6))
 
 
 def add_directions(parser: argparse.ArgumentParser) -> None:
