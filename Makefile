@@ -41,6 +41,7 @@ test-slow: $(READY)
 
 bench: $(READY)
 	@$(PY) tools/bench.py
+	@$(PY) tools/bench_viewport.py
 
 lint: $(READY)
 	@$(PY) -m ruff check .

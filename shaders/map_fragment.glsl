@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// f cos(theta_i) as seen from every direction above the surface: the unit disc of (x, y) of the direction to the viewer,
-// inscribed in the frame. df_light.xyz points to the light; df_light.w > 0 shows XYZ of T instead of RGB of f cos.
+// f cos(theta_i) as seen from directions above the surface: `place` is (x, y) of the direction to the viewer, the frame's
+// sides reach df_reach of the unit disc. df_light.xyz points to the light; df_light.w > 0 shows XYZ of T instead of RGB of f cos.
 
 void main()
 {

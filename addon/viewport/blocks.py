@@ -11,7 +11,7 @@ from ...precompute.layout import TableLayout
 from ..osl import FRESNEL, LAMPS_MAX
 
 #: Side of the cube that holds the view transform, and the two numbers of its axes, see `display`.
-DISPLAY_SIDE = 40
+DISPLAY_SIDE = 64
 DISPLAY_GAIN = 64.0
 DISPLAY_WHITE = 128.0
 

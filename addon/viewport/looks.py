@@ -80,10 +80,7 @@ def relative_gain(info: dict, look: Surface) -> float:
     parameters, source = info["parameters"], info["source"]
     rows, cols = source["shape"]
     size_x, size_y = source["size_m"]
-    sigma = parameters["sigma_s_m"]
-    if sigma is None:  # the bake's default
-        sigma = 65e-6 / 4.0 if parameters["ensemble"] == "single" else min(size_x, size_y) / 10.0
-    area = coherence_area((rows, cols), size_x / cols, size_y / rows, sigma, parameters["ensemble"])
+    area = coherence_area((rows, cols), size_x / cols, size_y / rows, parameters["sigma_s_m"], parameters["ensemble"])
     normal = np.array([0.0, 0.0, 1.0])
     gain = float(relative_colour_factor(normal, normal, area, info["colour"]["illuminant"]))
     if look.fresnel == "DIELECTRIC":

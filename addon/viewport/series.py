@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ...precompute.constants import COHERENCE_LENGTH_SUN_M
 from ...precompute.errors import SizeLimitError, TableError
 from ...precompute.terms import Terms, load_terms
 from .blocks import buffer, uniform
@@ -16,6 +17,9 @@ from .sources import WAVELENGTHS_MAX
 
 #: 380 to 770 nm in steps of 5 nm: the 79 wavelengths of the thesis.
 WAVELENGTHS_M = 380e-9 + 5e-9 * np.arange(79)
+
+#: The coherence window of sunlight, where the table was not baked with a single window of its own.
+SIGMA_S_M = COHERENCE_LENGTH_SUN_M / 4.0
 
 #: Methods as the shader numbers them.
 _METHODS = {"taylor": 0.0, "chebyshev": 1.0}
@@ -122,7 +126,7 @@ class SeriesTextures:
             sigma = info["parameters"]["sigma_s_m"] if info["parameters"]["ensemble"] == "single" else None
             block = rows(
                 terms,
-                sigma or 65e-6 / 4.0,
+                sigma or SIGMA_S_M,
                 tuple(info["source"]["shape"]),
                 tuple(info["source"]["size_m"]),
                 info["colour"]["illuminant"],

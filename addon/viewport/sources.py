@@ -82,6 +82,7 @@ def map_of_directions(method: str):
 
     info = _begin(method)
     info.push_constant("VEC4", "df_light")
+    info.push_constant("FLOAT", "df_reach")
     info.vertex_in(0, "VEC2", "pos")
     between = gpu.types.GPUStageInterfaceInfo("diffraction_map")
     between.smooth("VEC2", "place")
