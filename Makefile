@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Every target sets up what it needs in .venv; nothing outside this folder is touched.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-slow bench lint docs build clean
+.PHONY: help setup demo test test-slow fuzz bench lint docs build clean
 
 VENV := .venv
 PY := $(VENV)/bin/python
@@ -13,6 +13,7 @@ help:
 	@echo "make setup      .venv with Blender as a module and the tools"
 	@echo "make demo       scan -> bake -> picture, written to out/ (SCAN=path takes your own)"
 	@echo "make test       all tests but the slow ones; make test-slow: all"
+	@echo "make fuzz       hostile files, kill -9, full disks: what tests/trust holds, slow ones too"
 	@echo "make bench      times, memory and accuracy of a bake"
 	@echo "make lint       ruff check and format"
 	@echo "make docs       the pictures of docs/"
@@ -25,7 +26,7 @@ $(READY): pyproject.toml .python-version tools/check_system.py tools/find_python
 	@test -x $(PY) && $(PY) -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$(shell cut -d. -f1,2 .python-version)')" 2> /dev/null \
 		|| { rm -rf $(VENV); "$$(sh tools/find_python.sh)" -m venv $(VENV); }
 	@$(PY) tools/check_system.py
-	@$(PY) tools/requirements.py blender dev > $(VENV)/requirements.txt
+	@$(PY) tools/requirements.py blender sweep dev > $(VENV)/requirements.txt
 	@echo "Installing Blender as a module and the tools into $(VENV) (about 500 MB, once) ..."
 	@$(PY) -m pip install --quiet --requirement $(VENV)/requirements.txt
 	@touch $(READY)
@@ -38,6 +39,9 @@ test: $(READY)
 
 test-slow: $(READY)
 	@$(PY) -m pytest $(PYTEST_ARGS)
+
+fuzz: $(READY)
+	@$(PY) -m pytest tests/trust $(PYTEST_ARGS)
 
 bench: $(READY)
 	@$(PY) tools/bench.py

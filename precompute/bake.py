@@ -163,11 +163,13 @@ def bake_file(
     stages.done("read")
     table, found = _cached_bake(scan, parameters, stages, cache)
     stages.report("write", 0.97)
-    written = table.save(folder / f"{name or Path(path).stem}.exr")
+    target = folder / f"{name or Path(path).stem}.exr"
     if parameters.series != "nodes":
         from .terms import save_terms
 
-        save_terms(prepare(scan, parameters), parameters, written)
+        # Before the table: whoever finds the table and its key finds its terms.
+        save_terms(prepare(scan, parameters), parameters, target, table.info["key"])
+    written = table.save(target)
     stages.done("write")
     stages.report("done", 1.0)
     return BakeReport(written, table, stages.seconds, found)

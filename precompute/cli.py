@@ -80,8 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
                 # Standard error is for progress and the one sentence; libraries warn about their own affairs.
                 warnings.simplefilter("ignore")
             result = args.run(args)
-    except KeyboardInterrupt:
-        print("Interrupted; nothing was written.", file=sys.stderr)
+    except KeyboardInterrupt as error:
+        print(str(error) or "Interrupted; nothing was written.", file=sys.stderr)
         return EXIT_INTERRUPTED
     except DiffractionError as error:
         print(one_sentence(error), file=sys.stderr)

@@ -42,6 +42,8 @@ class Terms:
         ``taylor`` or ``chebyshev``.
     kappa_max, half_range
         1/m and m; they set the weights.
+    key
+        That of the table they were stored with (``SpectralTable.info["key"]``), empty where there is none.
     """
 
     images: np.ndarray
@@ -50,6 +52,7 @@ class Terms:
     method: str
     kappa_max: float
     half_range: float
+    key: str = ""
 
     def evaluate(self, kappa: float) -> np.ndarray:
         """``(rows, cols)`` sum of exp(-i kappa h) exp(2 pi i f.x) on the bins, up to a phase."""
@@ -92,7 +95,7 @@ def make_terms(field: HeightField, parameters: BakeParameters) -> Terms:
     return Terms(images, fx, fy, series.method, series.kappa_max, series.half_range)
 
 
-def save_terms(field: HeightField, parameters: BakeParameters, table_path: str | Path) -> Path:
+def save_terms(field: HeightField, parameters: BakeParameters, table_path: str | Path, key: str = "") -> Path:
     """Write the terms beside a table: ``<table>_terms/term_000_<hash>.exr`` ... (channels R, G = real, imaginary)
     and ``terms.json``, which names them.
 
@@ -126,6 +129,7 @@ def save_terms(field: HeightField, parameters: BakeParameters, table_path: str |
     description = {
         "format_version": TABLE_FORMAT_VERSION,
         "files": files,
+        "key": key,
         "method": series.method,
         "terms": series.terms,
         "kappa_max": series.kappa_max,
@@ -157,7 +161,9 @@ def load_terms(folder: str | Path) -> Terms:
         fx, fy = np.array(data["fx"], float), np.array(data["fy"], float)
         if images.shape[1:] != (len(fy), len(fx)):
             raise ValueError("size")
-        return Terms(images, fx, fy, data["method"], float(data["kappa_max"]), float(data["half_range_m"]))
+        return Terms(
+            images, fx, fy, data["method"], float(data["kappa_max"]), float(data["half_range_m"]), str(data["key"])
+        )
     except TableError:
         raise
     except Exception as error:  # a missing file, broken JSON, or one of OpenEXR's bare exceptions

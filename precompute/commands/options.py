@@ -7,7 +7,7 @@ import argparse
 import math
 import os
 import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -31,9 +31,12 @@ def number(text: str) -> float:
     return value
 
 
-def add_scan(parser: argparse.ArgumentParser) -> None:
-    """FILE and what a file may fail to say about itself."""
-    parser.add_argument("file", metavar="FILE", help="the scan")
+def add_scan(parser: argparse.ArgumentParser, several: bool = False) -> None:
+    """FILE (or several) and what a file may fail to say about itself."""
+    if several:
+        parser.add_argument("file", nargs="+", metavar="FILE", help="the scans")
+    else:
+        parser.add_argument("file", metavar="FILE", help="the scan")
     parser.add_argument("--size-um", nargs=2, type=number, metavar=("X", "Y"), help="side lengths in micrometres")
     parser.add_argument("--height-nm", type=number, metavar="H", help="height range in nanometres")
     parser.add_argument("--channel", help="name or number of the channel; the height channel by default")
@@ -55,35 +58,56 @@ def read(args: argparse.Namespace) -> HeightField:
     return read_scan(args.file, **scan_reading(args))
 
 
-def add_parameters(parser: argparse.ArgumentParser) -> None:
-    """What decides a bake; the defaults are those of `BakeParameters`."""
+def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> None:
+    """What decides a bake; the defaults are those of `BakeParameters`. ``several`` lets each take many values."""
     default = BakeParameters()
+    many: dict[str, Any] = {"nargs": "+"} if several else {}
     parser.add_argument(
         "--sigma-s-um",
         type=number,
         metavar="S",
         help="coherence width; by default a tenth of the shorter side (average) or 16.25 (single)",
+        **many,
     )
-    parser.add_argument("--ensemble", choices=ENSEMBLES, default=default.ensemble)
-    parser.add_argument("--series", choices=SERIES, default=default.series)
-    parser.add_argument("--tolerance", type=number, metavar="E", default=default.tolerance)
-    parser.add_argument("--level", choices=LEVELS, default=default.level)
-    parser.add_argument("--clip", type=number, metavar="P", help="keep the middle P percent of heights")
-    parser.add_argument("--illuminant", choices=ILLUMINANTS, default=default.illuminant)
+    parser.add_argument("--ensemble", choices=ENSEMBLES, default=default.ensemble, **many)
+    parser.add_argument("--series", choices=SERIES, default=default.series, **many)
+    parser.add_argument("--tolerance", type=number, metavar="E", default=default.tolerance, **many)
+    parser.add_argument("--level", choices=LEVELS, default=default.level, **many)
+    parser.add_argument("--clip", type=number, metavar="P", help="keep the middle P percent of heights", **many)
+    parser.add_argument("--illuminant", choices=ILLUMINANTS, default=default.illuminant, **many)
 
 
 def bake_parameters(args: argparse.Namespace, **more: object) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
-    return BakeParameters(
-        sigma_s_m=None if args.sigma_s_um is None else args.sigma_s_um * 1e-6,
-        ensemble=args.ensemble,
-        series=args.series,
-        tolerance=args.tolerance,
-        level=args.level,
-        clip_percent=args.clip,
-        illuminant=args.illuminant,
-        **more,
-    )
+    return BakeParameters(**{name: _si(args, key, factor) for name, key, factor in _FIELDS}, **more)
+
+
+def parameter_values(args: argparse.Namespace) -> dict[str, list[Any]]:
+    """All values that `add_parameters` with ``several`` (and ``--detail``) collected, in SI units."""
+    values = {}
+    for name, key, factor in (*_FIELDS, ("detail", "detail", 1.0)):
+        value = _si(args, key, factor)
+        values[name] = value if isinstance(value, list) else [value]
+    return values
+
+
+#: Field of `BakeParameters`, option, and its unit in SI (None for words).
+_FIELDS = (
+    ("sigma_s_m", "sigma_s_um", 1e-6),
+    ("ensemble", "ensemble", None),
+    ("series", "series", None),
+    ("tolerance", "tolerance", 1.0),
+    ("level", "level", None),
+    ("clip_percent", "clip", 1.0),
+    ("illuminant", "illuminant", None),
+)
+
+
+def _si(args: argparse.Namespace, key: str, factor: float | None) -> Any:
+    value = getattr(args, key)
+    if value is None or factor is None:
+        return value
+    return [x * factor for x in value] if isinstance(value, list) else value * factor
 
 
 def add_cache(parser: argparse.ArgumentParser) -> None:
