@@ -15,13 +15,11 @@ import numpy as np
 from ..errors import ScanError
 from .channel import Channel, Samples
 from .limits import check_shape
+from .tiff_page import PLAIN_COMPRESSIONS, decoded, open_tiff
 
 PNG_MAGIC = b"\x89PNG\r\n\x1a\n"
 TIFF_MAGIC = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 EXR_MAGIC = b"\x76\x2f\x31\x01"
-
-#: None, deflate (two numbers) and PackBits.
-_PLAIN_COMPRESSIONS = (1, 8, 32946, 32773)
 
 #: Red, green and blue of a grey picture may differ by this part of the full scale (JPEG's rounding).
 _GREY_TOLERANCE = 0.02
@@ -49,16 +47,14 @@ def read_png(path: Path) -> list[Channel]:
 
 def read_tiff(path: Path) -> list[Channel]:
     """The first page of a TIFF picture."""
-    import tifffile
 
     def load() -> Samples:
-        with tifffile.TiffFile(path) as file:
+        with open_tiff(path) as file:
             page = file.pages[0]
-            check_shape(page.imagelength, page.imagewidth)
-            if page.compression not in _PLAIN_COMPRESSIONS:  # tifffile would need one more library for it
+            if page.compression not in PLAIN_COMPRESSIONS:  # tifffile would need one more library for it
                 return read_png(path)[0].load()
-            values = page.asarray()
-            if page.photometric == tifffile.PHOTOMETRIC.MINISWHITE:
+            values = decoded(page, path)
+            if page.photometric == 0:  # white is zero
                 values = np.iinfo(values.dtype).max - values
         return _samples(np.squeeze(values))
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..errors import ScanError
 from .channel import Channel, Samples
-from .limits import check_shape
+from .tiff_page import decoded, open_tiff
 
 GRID_WIDTH = 0x8042
 _GRID_HEIGHT, _GRID_REFLECT = 0x8043, 0x8045
@@ -26,10 +26,8 @@ _MOST_SLOTS = 64
 
 def read_jpk(path: Path) -> list[Channel]:
     """All channels of a JPK image."""
-    import tifffile
-
     channels = []
-    with tifffile.TiffFile(path) as file:
+    with open_tiff(path) as file:
         pages = list(file.pages)
         grid = pages[0].tags
         size_m = _number(grid, GRID_WIDTH), _number(grid, _GRID_HEIGHT)
@@ -50,12 +48,8 @@ def read_jpk(path: Path) -> list[Channel]:
 def _load(
     path: Path, index: int, factor: float, offset: float, size_m: tuple[float, float], reflected: bool
 ) -> Samples:
-    import tifffile
-
-    with tifffile.TiffFile(path) as file:
-        page = file.pages[index]
-        check_shape(page.imagelength, page.imagewidth)
-        counts = np.squeeze(page.asarray())
+    with open_tiff(path) as file:
+        counts = np.squeeze(decoded(file.pages[index], path))
     if counts.ndim != 2:
         raise ScanError("The JPK page holds more than one value a pixel; export it as .gwy or .gsf.")
     values = counts.astype(np.float64) * factor + offset

@@ -15,6 +15,7 @@ from ..errors import ScanError
 from .binary import ENDS_EARLY, unpack
 from .channel import Channel, Samples
 from .limits import check_shape
+from .tiff_page import open_tiff
 
 MARK = 0x0E031301
 TAG_MARK, TAG_DATA, TAG_HEADER = 50432, 50434, 50435
@@ -31,9 +32,7 @@ _TYPES = {0: "<i2", 1: "<i4", 2: "<f4"}
 
 def read_park(path: Path) -> list[Channel]:
     """The one channel of a Park TIFF."""
-    import tifffile
-
-    with tifffile.TiffFile(path) as file:
+    with open_tiff(path) as file:
         tags = file.pages[0].tags
         header, data = _raw(tags, TAG_HEADER), _raw(tags, TAG_DATA)
     head = unpack(_HEAD, header)

@@ -2,10 +2,13 @@
 """Damaged and malicious files: a scan or one sentence, within bounded time and memory."""
 
 import io
+import os
 import resource
 import struct
+import tempfile
 import time
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,14 +21,36 @@ HEIGHTS = np.linspace(0.3e-6, 0.7e-6, 30).reshape(5, 6)
 SIZE = (6e-6, 10e-6)
 
 
-def outcome(path):
+def outcome(path, **options):
     """``read`` or the sentence of the refusal."""
     try:
-        field = read_scan(path)
+        field = read_scan(path, **options)
     except DiffractionError as error:
         return str(error)
     assert np.isfinite(field.valid).all()
     return "read"
+
+
+def image(kind):
+    """A small picture of a format."""
+    values, file = np.random.default_rng(0).random((9, 7)).astype(np.float32), io.BytesIO()
+    if kind == ".exr":
+        import OpenEXR
+
+        with tempfile.TemporaryDirectory() as folder:
+            header = {"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+            with OpenEXR.File(header, {"Y": values}) as exr:
+                exr.write(os.path.join(folder, "a.exr"))
+            return Path(folder, "a.exr").read_bytes()
+    if kind == ".tif":
+        import tifffile
+
+        tifffile.imwrite(file, (values * 65535).astype(np.uint16), compression="zlib")
+    else:
+        from PIL import Image
+
+        Image.fromarray((values * 255).astype(np.uint8)).save(file, {".jpg": "jpeg"}.get(kind, kind[1:]))
+    return file.getvalue()
 
 
 def mutated(good, rng):
@@ -62,6 +87,47 @@ def test_mutated_files(tmp_path, name, count):
     assert outcomes - {"read"}
     assert not any("\n" in sentence for sentence in outcomes)
     assert slowest < 5.0  # a hang, not a speed
+
+
+@pytest.mark.parametrize("extension", [".png", ".tif", ".exr", ".jpg", ".bmp"])
+@pytest.mark.parametrize("count", [60, pytest.param(10000, marks=pytest.mark.slow)])
+def test_mutated_images(tmp_path, extension, count):
+    good, path, rng = image(extension), tmp_path / f"scan{extension}", np.random.default_rng(2)
+    outcomes, slowest = set(), 0.0
+    for _ in range(count):
+        path.write_bytes(mutated(good, rng))
+        start = time.perf_counter()
+        outcomes.add(outcome(path, size_m=SIZE, height_m=1e-6))
+        slowest = max(slowest, time.perf_counter() - start)
+    assert outcomes - {"read"}
+    assert not any("\n" in sentence for sentence in outcomes)
+    assert slowest < 5.0
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1 << 20  # 1 GB, in KiB on Linux
+
+
+@pytest.mark.parametrize(("tag", "value"), [(277, 55041), (279, 2**32 - 1), (278, 2**31), (257, 2**30)])
+def test_tiff_counts_are_refused_before_allocation(tmp_path, tag, value):
+    """Samples a pixel, bytes of a strip, rows of a strip, rows: all far beyond the file."""
+    data = bytearray(image(".tif"))
+    (directory,) = struct.unpack_from("<I", data, 4)
+    for at in range(directory + 2, directory + 2 + 12 * struct.unpack_from("<H", data, directory)[0], 12):
+        if struct.unpack_from("<H", data, at)[0] == tag:
+            struct.pack_into("<HI", data, at + 2, 4, 1)
+            struct.pack_into("<I", data, at + 8, value)
+    path = tmp_path / "scan.tif"
+    path.write_bytes(bytes(data))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    outcome(path, size_m=SIZE, height_m=1e-6)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100 * 1024
+
+
+def test_libraries_keep_their_remarks_to_themselves(tmp_path, capfd):
+    data = bytearray(image(".tif"))
+    rng = np.random.default_rng(5)
+    for _ in range(100):
+        (tmp_path / "scan.tif").write_bytes(mutated(bytes(data), rng))
+        outcome(tmp_path / "scan.tif", size_m=SIZE, height_m=1e-6)
+    assert capfd.readouterr() == ("", "")
 
 
 def huge(name):
