@@ -3,9 +3,9 @@
 
 
 def _parts():
-    from . import handlers, operators, panels, properties, viewport
+    from . import estimates, handlers, operators, panels, properties, travel, viewport
 
-    return properties, operators, panels, handlers, viewport
+    return properties, operators, panels, travel, handlers, viewport, estimates
 
 
 def register() -> None:

@@ -13,7 +13,7 @@ from ..precompute.colour import xyz_to_rgb_matrix
 from ..precompute.errors import ParameterError, TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import SpectralTable, read_sidecar
-from . import frame, lights, nodes_twin, osl, paths, script_node
+from . import frame, lights, nodes_twin, osl, paths, script_node, travel
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"
@@ -110,6 +110,8 @@ def atlas_image(path: Path) -> bpy.types.Image:
                 image.unpack(method="REMOVE")  # a packed image would reload its old self
             image.reload()
             break
+        if image.library is None and image.packed_file is not None and travel.unpacked_place(image) == path:
+            return image  # its file is a copy made from it
     else:
         image = bpy.data.images.load(str(path), check_existing=False)
     image.name = path.stem
@@ -157,13 +159,15 @@ def apply(
     layout = TableLayout.from_dict(sidecar["layout"])
     image = atlas_image(path)
 
+    directions = None
     albedo_max = float(sidecar["albedo_max"])
     kind = "ShaderNodeScript" if settings.implementation == "OSL" else "ShaderNodeGroup"
     node = _place_node(material, kind)
     if settings.implementation == "OSL":
         script_node.fill(node, _source_text(path.stem, osl.source(layout, albedo_max)))
         node.inputs["Atlas"].default_value = image.filepath
-        node.inputs["Importance"].default_value = importance_image(path, sidecar["atlas"]["sha256"]).filepath
+        directions = importance_image(path, sidecar["atlas"]["sha256"])
+        node.inputs["Importance"].default_value = directions.filepath
     else:
         image.pack()
         node.node_tree = nodes_twin.build(
@@ -176,6 +180,8 @@ def apply(
     lights.bind(node, lamps)
 
     material[TABLE_KEY] = image.filepath
+    travel.attach(material, image, directions, sidecar["atlas"]["sha256"])
+    travel.sync(material)
     material["diffraction_illuminant"] = sidecar["colour"]["illuminant"]
     # The correction bends the half vectors that stand in for normals.
     material.cycles.use_bump_map_correction = False
@@ -213,7 +219,7 @@ def settings_of(material: bpy.types.Material) -> Settings:
     elif picture is not None:
         orientation = "TEXTURE"
     return Settings(
-        implementation="OSL" if shader_node(material).bl_idname == "ShaderNodeScript" else "NODES",
+        implementation="OSL" if needs_osl(material) else "NODES",
         fresnel=names.get(inputs["Fresnel"].default_value, "DIELECTRIC"),
         ior=inputs["IOR"].default_value,
         conserve_energy=bool(inputs["ConserveEnergy"].default_value),
@@ -259,7 +265,12 @@ def follow_lamps(material: bpy.types.Material, scene: bpy.types.Scene) -> None:
 
 def lamps_max(material: bpy.types.Material) -> int:
     """Lamps that a material can follow."""
-    return osl.LAMPS_MAX if shader_node(material).bl_idname == "ShaderNodeScript" else nodes_twin.LAMPS_MAX
+    return osl.LAMPS_MAX if needs_osl(material) else nodes_twin.LAMPS_MAX
+
+
+def needs_osl(material: bpy.types.Material) -> bool:
+    """Whether a material is of the OSL implementation."""
+    return shader_node(material).bl_idname == "ShaderNodeScript"
 
 
 def _place_node(material: bpy.types.Material, kind: str) -> bpy.types.Node:

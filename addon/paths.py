@@ -13,10 +13,19 @@ def data_folder() -> Path:
     """``diffraction/`` beside the .blend; for an unsaved file a folder of the extension's own. Not made here."""
     if bpy.data.filepath:
         return Path(bpy.path.abspath("//diffraction"))
+    return _user_folder("tables")
+
+
+def unpack_folder() -> Path:
+    """Where packed tables are written so that OSL can read them. Not made here."""
+    return _user_folder("unpacked")
+
+
+def _user_folder(name: str) -> Path:
     package = __package__.rpartition(".")[0]
     if package.startswith("bl_ext."):
-        return Path(bpy.utils.extension_path_user(package, path="tables"))
-    return Path(bpy.utils.user_resource("DATAFILES", path="diffraction_shader"))
+        return Path(bpy.utils.extension_path_user(package, path=name))
+    return Path(bpy.utils.user_resource("DATAFILES", path=os.path.join("diffraction_shader", name)))
 
 
 def absolute(path: str) -> Path:

@@ -9,6 +9,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
+from . import preset_properties
 
 _LABELS = {
     "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),
@@ -55,7 +56,7 @@ ORIENTATION_ITEMS = [
 def sigma_s() -> FloatProperty:
     """Standard deviation of the coherence window."""
     return FloatProperty(
-        name="Coherence",
+        name="Coherence (um)",
         description="Standard deviation of the coherence window in micrometres; 0 takes the ensemble's default",
         default=0.0, min=0.0, soft_max=50.0, precision=2,
     )  # fmt: skip
@@ -89,8 +90,16 @@ def level() -> EnumProperty:
 def clip_percent() -> FloatProperty:
     """Dust clip."""
     return FloatProperty(
-        name="Keep", description="Middle percent of the heights to keep (99.9 clips dust); 0 keeps all",
+        name="Keep (%)", description="Middle percent of the heights to keep (99.9 clips dust); 0 keeps all",
         default=0.0, min=0.0, max=100.0, precision=2,
+    )  # fmt: skip
+
+
+def detail() -> FloatProperty:
+    """Resolution of the table."""
+    return FloatProperty(
+        name="Detail", description="Resolution of the table; its texels grow with the cube of it",
+        default=1.0, min=0.1, max=8.0, soft_min=0.5, soft_max=2.0, precision=2,
     )  # fmt: skip
 
 
@@ -102,7 +111,11 @@ def illuminant() -> EnumProperty:
 def limit_mb() -> IntProperty:
     """Largest table."""
     return IntProperty(
-        name="Limit", description="Largest table to bake, in megabytes of texels", default=1024, min=1, soft_max=8192
+        name="Limit (MB)",
+        description="Largest table to bake, in megabytes of texels",
+        default=1024,
+        min=1,
+        soft_max=8192,
     )
 
 
@@ -111,6 +124,57 @@ def ior() -> FloatProperty:
     return FloatProperty(
         name="IOR", description="Index of refraction of the surface (keratin 1.55)", default=1.55, min=1.0, soft_max=3.0
     )
+
+
+def preset_size() -> FloatProperty:
+    """Side length of a preset's patch."""
+    return FloatProperty(
+        name="Size (um)", description="Side length in micrometres; 0 takes the preset's", default=0.0, min=0.0
+    )
+
+
+def preset_pixels() -> IntProperty:
+    """Pixels of a preset's patch."""
+    return IntProperty(name="Pixels", description="Pixels along a side; 0 takes the preset's", default=0, min=0)
+
+
+def map_theta() -> FloatProperty:
+    """Polar angle of a map's light."""
+    return FloatProperty(
+        name="Theta", description="Angle between the light and the surface's normal", subtype="ANGLE",
+        default=math.radians(30.0), min=0.0, max=math.radians(89.0),
+    )  # fmt: skip
+
+
+def map_phi() -> FloatProperty:
+    """Azimuth of a map's light."""
+    return FloatProperty(
+        name="Phi", description="Azimuth of the light from the scan's x towards its y", subtype="ANGLE"
+    )
+
+
+def map_size() -> IntProperty:
+    """Pixels of a map."""
+    return IntProperty(name="Pixels", description="Pixels along a side of the map", default=512, min=16, max=4096)
+
+
+def map_linear() -> BoolProperty:
+    """Numbers or a picture."""
+    return BoolProperty(
+        name="Values",
+        description="Linear Rec.709 values in 1/sr, unscaled, in place of a picture that shows 2 % at full brightness",
+        default=False,
+    )
+
+
+DIFFRACTION_PG_presets = type(
+    "DIFFRACTION_PG_presets",
+    (bpy.types.PropertyGroup,),
+    {
+        "__annotations__": {name: PointerProperty(type=group) for name, group in preset_properties.GROUPS.items()},
+        "__doc__": "Parameters of every preset structure.",
+    },
+)
 
 
 class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
@@ -124,7 +188,10 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     table_path: StringProperty(
         name="Table", description="The baked table", subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"}
     )
-    table_info: StringProperty()
+    table_name: StringProperty(name="Name", description="Name of the next table; empty takes the scan's")
+    table_recipe: StringProperty(description="How the table was made, as JSON")
+    imported: StringProperty(description="Where the scan was imported from, as JSON")
+    channels: StringProperty(description="Channels of the imported file, as JSON")
     message: StringProperty(description="What the last operation had to say", options={"SKIP_SAVE"})
 
     sigma_s_um: sigma_s()
@@ -133,6 +200,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     tolerance: tolerance()
     level: level()
     clip_percent: clip_percent()
+    detail: detail()
     illuminant: illuminant()
     limit_mb: limit_mb()
 
@@ -161,11 +229,21 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
         soft_min=-math.pi, soft_max=math.pi,
     )  # fmt: skip
 
-    progress: FloatProperty(default=-1.0, options={"SKIP_SAVE"})
-    progress_text: StringProperty(options={"SKIP_SAVE"})
+    preset: EnumProperty(
+        name="Preset", description="A structure that needs no microscope", items=preset_properties.ITEMS
+    )
+    preset_size_um: preset_size()
+    preset_pixels: preset_pixels()
+    presets: PointerProperty(type=DIFFRACTION_PG_presets)
+
+    map_theta: map_theta()
+    map_phi: map_phi()
+    map_size: map_size()
+    map_linear: map_linear()
+    map_image: StringProperty(description="Name of the last map's image")
 
 
-CLASSES = (DIFFRACTION_PG_scene,)
+CLASSES = (*preset_properties.GROUPS.values(), DIFFRACTION_PG_presets, DIFFRACTION_PG_scene)
 
 
 def register() -> None:

@@ -1,26 +1,58 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scans in a scene: stored as .gsf, baked from the original while that is unchanged."""
+"""Scans in a scene: stored as .gsf beside the tables made from them."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import shutil
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import bpy
 
+from ..precompute import orientation
 from ..precompute.atomic import atomic_path
+from ..precompute.errors import ScanError
 from ..precompute.gsf import write_gsf
 from ..precompute.heightfield import HeightField
 from ..precompute.readers import read_scan
 from ..precompute.scan_info import scan_info
-from . import paths
+from . import paths, recipe
+
+#: In the header of every .gsf that is written here, hardly in others.
+_MARK = b"\nProcessing = "
+
+
+@dataclass(frozen=True)
+class Placement:
+    """How a scan is turned before it is stored: mirrored first, then turned anticlockwise by quarters."""
+
+    flip_x: bool = False
+    flip_y: bool = False
+    quarter_turns: int = 0
+
+    @property
+    def changes(self) -> bool:
+        """Whether it does anything."""
+        return self.flip_x or self.flip_y or self.quarter_turns % 4 != 0
+
+    def apply(self, field: HeightField) -> HeightField:
+        """The field, placed."""
+        if self.flip_x:
+            field = orientation.flip_x(field)
+        if self.flip_y:
+            field = orientation.flip_y(field)
+        return orientation.rotate90(field, self.quarter_turns)
 
 
 def import_scan(
-    scene: bpy.types.Scene, path: Path, size_m: tuple[float, float] | None, height_m: float | None, channel: str | None
+    scene: bpy.types.Scene,
+    path: Path,
+    size_m: tuple[float, float] | None,
+    height_m: float | None,
+    channel: str | None,
+    placement: Placement = Placement(),
 ) -> HeightField:
     """Read a scan, store it as .gsf and make it the scene's.
 
@@ -29,34 +61,119 @@ def import_scan(
     DiffractionError
         Any of the readers' and of writing; the scene is then as before.
     """
-    field = read_scan(path, size_m=size_m, height_m=height_m, channel=channel)
-    target = paths.data_folder() / f"{path.stem}.gsf"
-    unchanged = path.suffix.lower() == ".gsf" and size_m is None and height_m is None
-    if not (target.exists() and target.samefile(path)):
-        if unchanged:  # byte for byte, so that its hash and so the table's sidecar stay the same
-            with atomic_path(target) as temporary:
-                shutil.copyfile(path, temporary)
-        else:
-            write_gsf(field, target)
+    field = placement.apply(read_scan(path, size_m=size_m, height_m=height_m, channel=channel))
+    as_it_is = path.suffix.lower() == ".gsf" and size_m is None and height_m is None and not placement.changes
+    target = _store(path.stem, field, path if as_it_is else None)
     reading = {"size_m": size_m, "height_m": height_m, "channel": channel}
-    _remember(scene, field, target, path.resolve(), reading)
+    if placement.changes:  # the original lies otherwise
+        _remember(scene, field, target, target, {}, recipe.file_sha256(target))
+    else:
+        _remember(scene, field, target, path.resolve(), reading, field.metadata["sha256"])
+    # What is needed to read it again with another channel or turned.
+    scene.diffraction.imported = json.dumps(
+        {"path": str(path.resolve()), **{key: value for key, value in reading.items() if value is not None}}
+    )
+    scene.diffraction.channels = json.dumps(field.metadata.get("channels", []))
     return field
 
 
 def store_preset(scene: bpy.types.Scene, field: HeightField, name: str) -> Path:
     """Store a generated heightfield as .gsf and make it the scene's."""
-    target = paths.data_folder() / f"{name}.gsf"
-    write_gsf(field, target)
-    _remember(scene, read_scan(target), target, target, {})
+    target = _store(name, field, None)
+    _remember(scene, read_scan(target), target, target, {}, recipe.file_sha256(target))
+    scene.diffraction.imported = scene.diffraction.channels = ""
     return target
 
 
-def _remember(scene: bpy.types.Scene, field: HeightField, stored: Path, source: Path, reading: dict[str, Any]) -> None:
+def use_stored(scene: bpy.types.Scene, path: Path) -> HeightField:
+    """Make a scan that was stored before the scene's again.
+
+    Raises
+    ------
+    DiffractionError
+        If it cannot be read.
+    """
+    field = read_scan(path)
+    _remember(scene, field, path, path, {}, field.metadata["sha256"])
+    scene.diffraction.imported = scene.diffraction.channels = ""
+    return field
+
+
+def stored_scans() -> list[Path]:
+    """Scans in the folder of this file."""
+    folder = paths.data_folder()
+    return sorted(folder.glob("*.gsf")) if folder.is_dir() else []
+
+
+def bring_here(scene: bpy.types.Scene) -> None:
+    """Copy the scene's stored scan to where its table will be, if it lies elsewhere (the .blend was saved in between).
+
+    Raises
+    ------
+    ScanError
+        If the stored scan is gone.
+    """
+    properties = scene.diffraction
+    stored = paths.absolute(properties.scan_path)
+    folder = paths.data_folder()
+    if not stored.is_file():
+        source = Path(properties.source_path)
+        if source.is_file() and recipe.file_sha256(source) == properties.source_sha256:
+            return
+        raise ScanError(f"The stored scan {stored} is gone and so is its origin; import it again.")
+    if stored.parent != folder:
+        target = _free(folder, stored.stem, stored.read_bytes())
+        _copy(stored, target)
+        if Path(properties.source_path) == stored:
+            properties.source_path = str(target)
+        properties.scan_path = paths.relative(target)
+
+
+def _store(stem: str, field: HeightField, as_it_is: Path | None) -> Path:
+    """Write a field (or copy a .gsf byte for byte, so that its hash and its table's sidecar stay) under a free name."""
+    folder = paths.data_folder()
+    with atomic_path(folder / f"{stem}.new.gsf") as temporary:
+        if as_it_is is None:
+            write_gsf(field, temporary)
+        else:
+            shutil.copyfile(as_it_is, temporary)
+        content = temporary.read_bytes()
+    made = folder / f"{stem}.new.gsf"
+    try:
+        target = _free(folder, stem, content)
+        _copy(made, target)
+    finally:
+        made.unlink(missing_ok=True)
+    return target
+
+
+def _copy(source: Path, target: Path) -> None:
+    if not target.is_file() or not target.samefile(source):
+        with atomic_path(target) as temporary:
+            shutil.copyfile(source, temporary)
+
+
+def _free(folder: Path, stem: str, content: bytes) -> Path:
+    """Where to store a scan: over a file of the same bytes, or over one of ours without a table, else a new number."""
+    number = 0
+    while True:
+        target = folder / (f"{stem}.gsf" if not number else f"{stem}_{number}.gsf")
+        if not target.exists():
+            return target
+        there = target.read_bytes()
+        if there == content or (not target.with_suffix(".exr").exists() and _MARK in there[:4096]):
+            return target
+        number += 1
+
+
+def _remember(
+    scene: bpy.types.Scene, field: HeightField, stored: Path, source: Path, reading: dict[str, Any], sha256: str
+) -> None:
     info = scan_info(field)
     properties = scene.diffraction
     properties.scan_path = paths.relative(stored)
     properties.source_path = str(source)
-    properties.source_sha256 = field.metadata["sha256"]
+    properties.source_sha256 = sha256
     properties.reading = json.dumps({key: value for key, value in reading.items() if value is not None})
     x, y = (size * 1e6 for size in info["size_m"])
     rows, columns = info["shape"]
@@ -66,21 +183,6 @@ def _remember(scene: bpy.types.Scene, field: HeightField, stored: Path, source: 
 
 
 def bake_source(scene: bpy.types.Scene) -> tuple[Path, dict[str, Any]]:
-    """The file to bake and how to read it.
-
-    The original gives the same bits as the command line does; the stored copy, which has its
-    heights in 32 bits, takes its place once the original is gone or has changed.
-    """
-    properties = scene.diffraction
-    source = Path(properties.source_path)
-    if source.is_file() and _sha256(source) == properties.source_sha256:
-        reading = json.loads(properties.reading or "{}")
-        if "size_m" in reading:
-            reading["size_m"] = tuple(reading["size_m"])
-        return source, reading
-    return paths.absolute(properties.scan_path), {}
-
-
-def _sha256(path: Path) -> str:
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    """The file to bake and how to read it, see `recipe.scan_of`."""
+    made = json.loads(recipe.make(scene.diffraction))
+    return recipe.scan_of(made, paths.absolute(scene.diffraction.scan_path).parent)

@@ -1,6 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators: they read properties, call the core and write the scene."""
 
-from . import apply_material, bake, import_scan, make_preset
+from . import (
+    apply_material,
+    bake,
+    brdf_map,
+    files,
+    import_scan,
+    make_preset,
+    preview_levelling,
+    setting_presets,
+)
 
-CLASSES = (*import_scan.CLASSES, *make_preset.CLASSES, *bake.CLASSES, *apply_material.CLASSES)
+_MODULES = (
+    import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, setting_presets,
+)  # fmt: skip
+
+CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

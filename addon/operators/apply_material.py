@@ -94,7 +94,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        notes = setup.prepare_scene(context.scene, lamps)
+        notes = setup.prepare_scene(context.scene, lamps, self.implementation == "OSL")
         self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
         if not lamps and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")

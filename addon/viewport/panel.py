@@ -15,6 +15,7 @@ class DIFFRACTION_PT_viewport(bpy.types.Panel):
 
     bl_label = "Viewport"
     bl_parent_id = "DIFFRACTION_PT_main"
+    bl_order = 5
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Diffraction"

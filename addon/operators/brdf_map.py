@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Look at a table: all directions of view for one direction of light."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import paths, pictures, properties
+from ..job import Job
+from ..numbers import decimal
+from ..table_state import READY, table_state
+from .threaded import Threaded, busy
+
+
+class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
+    """Draw the BRDF of the scene's table towards all views into an image: x to the right, y up, grazing at the rim"""
+
+    bl_idname = "diffraction.brdf_map"
+    bl_label = "BRDF Map"
+    bl_options = {"UNDO", "PRESET"}
+    title = "BRDF map"
+
+    theta: properties.map_theta()
+    phi: properties.map_phi()
+    size: properties.map_size()
+    linear: properties.map_linear()
+
+    @classmethod
+    def poll(cls, context):
+        return has_table(cls, context) and not busy(cls)
+
+    def prepare(self, context):
+        """Take the panel's values where the caller gave none."""
+        state = context.scene.diffraction
+        for name in ("theta", "phi", "size", "linear"):
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(state, f"map_{name}"))
+
+    def jobs(self, context):
+        """Load and evaluate, away from Blender."""
+        path = paths.absolute(context.scene.diffraction.table_path)
+        theta, phi, size, linear = decimal(self.theta), decimal(self.phi), self.size, self.linear
+
+        def work(progress):
+            from ...precompute.brdf_map import brdf_map, map_to_srgb
+            from ...precompute.colour import xyz_to_rgb
+            from ...precompute.directions import from_angles
+            from ...precompute.table import SpectralTable
+
+            progress("read the table", 0.0)
+            table = SpectralTable.load(path)
+            progress("evaluate", 0.3)
+            xyz = brdf_map(table, from_angles(theta, phi), size)
+            progress("convert", 0.8)
+            illuminant = table.info["colour"]["illuminant"]
+            return xyz_to_rgb(xyz, illuminant=illuminant) if linear else map_to_srgb(xyz, None, illuminant)
+
+        return [Job(work)]
+
+    def finished(self, context, results):
+        """The map becomes an image."""
+        name = f"BRDF {paths.absolute(context.scene.diffraction.table_path).stem}"
+        pictures.show(context, name, results[0], self.linear)
+        context.scene.diffraction.map_image = name
+        return f"The image '{name}' shows the map; open it in an image editor"
+
+
+def has_table(cls: type, context: bpy.types.Context) -> bool:
+    """Whether the scene has a table that can be read; says on the button why not."""
+    path = context.scene.diffraction.table_path
+    if not path:
+        cls.poll_message_set("Bake a table first")
+        return False
+    found = table_state(paths.absolute(path))
+    if found.kind != READY:
+        cls.poll_message_set(f"{found.text}; bake it again")
+        return False
+    return True
+
+
+CLASSES = (DIFFRACTION_OT_brdf_map,)

@@ -1,0 +1,280 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tables that are missing, old or elsewhere: say so, bake them again, find them, collect them."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+
+from ...precompute.atomic import atomic_path
+from ...precompute.errors import DiffractionError, TableError
+from .. import bake_settings, lights, material, paths, recipe, scan_store, travel
+from ..bake_job import BakeJob
+from ..table_state import READY, table_state
+from .threaded import Threaded, busy
+
+SCOPE_ITEMS = [
+    ("BROKEN", "Broken", "Tables that are missing, damaged or of another release"),
+    ("ACTIVE", "Active Material", "The table of the active object's material"),
+    ("ALL", "All", "Every table that a material of this file uses"),
+]
+
+
+def tables() -> dict[Path, list[bpy.types.Material]]:
+    """Materials of ours by the place where their table belongs."""
+    found: dict[Path, list[bpy.types.Material]] = {}
+    for each in bpy.data.materials:
+        if material.is_ours(each):
+            found.setdefault(travel.home(each), []).append(each)
+    return found
+
+
+def problems() -> Iterator[tuple[bpy.types.Material, str]]:
+    """Materials whose table cannot be read, and why."""
+    for users in tables().values():
+        for each in users:
+            found = table_state(material.table_path(each))
+            if found.kind != READY:
+                yield each, found.text
+
+
+class DIFFRACTION_OT_check_files(bpy.types.Operator):
+    """List the tables that are missing, damaged or of another release"""
+
+    bl_idname = "diffraction.check_files"
+    bl_label = "Check Files"
+
+    def execute(self, context):
+        found = list(problems())
+        for each, text in found:
+            self.report({"WARNING"}, f"{each.name}: {text}")
+        if not found:
+            self.report({"INFO"}, f"All {len(tables())} tables are in place")
+        return {"FINISHED"}
+
+
+class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
+    """Bake tables again, in place, from their stored scans and with the settings they were baked with"""
+
+    bl_idname = "diffraction.rebake"
+    bl_label = "Bake Again"
+    bl_options = {"UNDO"}
+    title = "Baking again"
+
+    scope: EnumProperty(name="Scope", description="Which tables", items=SCOPE_ITEMS)
+
+    @classmethod
+    def poll(cls, context):
+        if not any(material.is_ours(each) for each in bpy.data.materials):
+            cls.poll_message_set("No material of this file has a table")
+            return False
+        return not busy(cls)
+
+    def jobs(self, context):
+        """A bake for each table."""
+        self._targets = self._chosen(context)
+        if not self._targets:
+            raise TableError("No table is broken; choose the active material or all tables to bake them again.")
+        return [self._job(users[0], place) for place, users in self._targets]
+
+    def finished(self, context, results):
+        """Materials and scenes of each table follow."""
+        for (place, users), result in zip(self._targets, results, strict=True):
+            made = users[0].get(recipe.KEY, "")
+            if result.path == place:
+                travel.refresh(place, context.scene, made)
+            else:
+                for each in users:
+                    material.apply(each, result.path, material.settings_of(each), lights.lamp_objects(context.scene))
+                    each[recipe.KEY] = made
+            for scene in bpy.data.scenes:
+                state = scene.diffraction
+                if state.table_path and paths.absolute(state.table_path) == place:
+                    state.table_path, state.table_recipe = paths.relative(result.path), made
+        return f"Baked {len(results)} table{'s' * (len(results) != 1)} again"
+
+    def _chosen(self, context) -> list[tuple[Path, list[bpy.types.Material]]]:
+        active = context.object.active_material if context.object is not None else None
+        chosen = []
+        for place, users in tables().items():
+            editable = [each for each in users if each.is_editable]
+            broken = any(table_state(material.table_path(each)).kind != READY for each in editable)
+            wanted = {"BROKEN": broken, "ACTIVE": active in users, "ALL": True}[self.scope]
+            if editable and wanted:
+                chosen.append((place, editable))
+        return chosen
+
+    def _job(self, user: bpy.types.Material, place: Path) -> BakeJob:
+        made = recipe.of_material(user)
+        if not made:
+            raise TableError(
+                f"How the table {place.name} of {user.name} was made is not known; import its scan and bake it."
+            )
+        source, reading = recipe.scan_of(made, place.parent)
+        settings = SimpleNamespace(**{**_defaults(), **made.get("settings", {})})
+        # A path of another computer: the table moves beside this file.
+        folder = place.parent if place.parent.is_dir() else paths.data_folder()
+        return BakeJob(source, folder, place.stem, bake_settings.parameters(settings), reading)
+
+
+def _defaults() -> dict:
+    properties = bpy.types.DIFFRACTION_PG_scene.bl_rna.properties
+    return {name: properties[name].default for name in bake_settings.FIELDS}
+
+
+class DIFFRACTION_OT_find_files(bpy.types.Operator):
+    """Look for missing tables in a folder and those below it"""
+
+    bl_idname = "diffraction.find_files"
+    bl_label = "Find Missing..."
+    bl_options = {"REGISTER", "UNDO"}
+
+    directory: StringProperty(name="Folder", description="Where to look", subtype="DIR_PATH")
+
+    @classmethod
+    def poll(cls, context):
+        if not any(problems()):
+            cls.poll_message_set("No table is missing")
+            return False
+        return True
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        folder = Path(bpy.path.abspath(self.directory))
+        if not self.directory or not folder.is_dir():
+            self.report({"ERROR"}, f"There is no folder '{self.directory}'; choose one that holds the tables.")
+            return {"CANCELLED"}
+        count = 0
+        for each, _ in list(problems()):
+            place = next((p for p in folder.rglob(travel.home(each).name) if table_state(p).kind == READY), None)
+            if place is not None and each.is_editable:
+                try:
+                    material.apply(each, place, material.settings_of(each), lights.lamp_objects(context.scene))
+                except DiffractionError as error:
+                    self.report({"WARNING"}, str(error))
+                    continue
+                count += 1
+        self.report({"INFO"}, f"Found tables of {count} material{'s' * (count != 1)}")
+        return {"FINISHED"} if count else {"CANCELLED"}
+
+
+class DIFFRACTION_OT_collect_files(bpy.types.Operator):
+    """Copy tables and scans beside this .blend, so that its folder holds all it needs"""
+
+    bl_idname = "diffraction.collect_files"
+    bl_label = "Collect Files"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not bpy.data.filepath:
+            cls.poll_message_set("Save the .blend first")
+            return False
+        return not busy(cls)
+
+    def execute(self, context):
+        count = 0
+        try:
+            for scene in bpy.data.scenes:
+                if scene.diffraction.scan_path:
+                    scan_store.bring_here(scene)
+            for place, users in tables().items():
+                count += self._collect(context, place, [each for each in users if each.is_editable])
+        except (DiffractionError, OSError) as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Copied {count} table{'s' * (count != 1)} to {paths.data_folder()}")
+        return {"FINISHED"}
+
+    def _collect(self, context, place: Path, users: list[bpy.types.Material]) -> int:
+        folder = paths.data_folder()
+        if not users or place.parent == folder or table_state(material.table_path(users[0])).kind != READY:
+            return 0
+        there = material.table_path(users[0])
+        target = _free(folder, place, there)
+        for source in (there, there.with_suffix(".json")):
+            _copy(source, target.with_suffix(source.suffix))
+        scan = place.with_name(recipe.of_material(users[0]).get("scan") or place.with_suffix(".gsf").name)
+        if scan.is_file():
+            _copy(scan, folder / scan.name)
+        for scene in bpy.data.scenes:
+            state = scene.diffraction
+            if state.table_path and paths.absolute(state.table_path) == place:
+                state.table_path = paths.relative(target)
+        for each in users:
+            made = each.get(recipe.KEY)
+            material.apply(each, target, material.settings_of(each), lights.lamp_objects(context.scene))
+            if made:
+                each[recipe.KEY] = made
+        return 1
+
+
+def _free(folder: Path, place: Path, there: Path) -> Path:
+    """A name for a copy that takes no other table's place."""
+    number = 0
+    while True:
+        target = folder / (place.name if not number else f"{place.stem}_{number}.exr")
+        if not target.exists() or target.read_bytes() == there.read_bytes():
+            return target
+        number += 1
+
+
+def _copy(source: Path, target: Path) -> None:
+    if not target.exists() or not target.samefile(source):
+        with atomic_path(target) as temporary:
+            shutil.copyfile(source, temporary)
+
+
+class DIFFRACTION_OT_use_material_scan(bpy.types.Operator):
+    """Bring the active material's scan and bake settings back into the panels, to change and bake them again"""
+
+    bl_idname = "diffraction.use_material_scan"
+    bl_label = "Edit Table"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        active = context.object.active_material if context.object is not None else None
+        if not material.is_ours(active):
+            cls.poll_message_set("The active material has no table")
+            return False
+        if not recipe.of_material(active):
+            cls.poll_message_set("How this material's table was made is not known")
+            return False
+        return not busy(cls)
+
+    def execute(self, context):
+        active, state = context.object.active_material, context.scene.diffraction
+        place, made = travel.home(active), recipe.of_material(active)
+        try:
+            source, _ = recipe.scan_of(made, place.parent)
+        except DiffractionError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        stored = place.parent / made["scan"]
+        state.scan_path = paths.relative(stored if stored.is_file() else source)
+        state.source_path, state.source_sha256 = made.get("source", ""), made.get("sha256", "")
+        state.reading, state.scan_info = made.get("reading", "{}"), made.get("info", "")
+        state.imported = state.channels = ""
+        bake_settings.recall(made.get("settings", {}), state)
+        state.table_path, state.table_recipe = paths.relative(place), active[recipe.KEY]
+        state.table_name = place.stem if place.stem != Path(made["scan"]).stem else ""
+        self.report({"INFO"}, f"{place.stem}: {state.scan_info}")
+        return {"FINISHED"}
+
+
+CLASSES = (
+    DIFFRACTION_OT_check_files,
+    DIFFRACTION_OT_rebake,
+    DIFFRACTION_OT_find_files,
+    DIFFRACTION_OT_collect_files,
+    DIFFRACTION_OT_use_material_scan,
+)

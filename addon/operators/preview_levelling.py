@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""See what levelling does before a bake."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import bake_settings, pictures, properties, scan_store
+from ..job import Job
+from .threaded import Threaded, busy
+
+#: Name of the image.
+IMAGE = "Diffraction Levelling"
+
+
+class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
+    """Show the heights before and after, their histogram, and the spectrum with the lattice it holds"""
+
+    bl_idname = "diffraction.preview_levelling"
+    bl_label = "Preview"
+    bl_options = {"UNDO"}
+    title = "Levelling"
+
+    level: properties.level()
+    clip_percent: properties.clip_percent()
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.diffraction.scan_path:
+            cls.poll_message_set("Import a scan or use a preset first")
+            return False
+        return not busy(cls)
+
+    def jobs(self, context):
+        """Read, prepare and draw, away from Blender."""
+        from dataclasses import replace
+
+        state = context.scene.diffraction
+        for name in bake_settings.LEVELLING:
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(state, name))
+        source, reading = scan_store.bake_source(context.scene)
+        chosen = replace(bake_settings.parameters(state), **bake_settings.levelling(self))
+
+        def work(progress):
+            from ...precompute.levelling_picture import levelling_picture
+            from ...precompute.prepare import prepare
+            from ...precompute.readers import read_scan
+
+            progress("read", 0.0)
+            before = read_scan(source, **reading)
+            progress("level", 0.2)
+            after = prepare(before, chosen)
+            progress("draw", 0.5)
+            picture = levelling_picture(before, after)
+            progress("done", 1.0)
+            return picture, [step["warning"] for step in after.processing if step.get("warning")]
+
+        return [Job(work)]
+
+    def finished(self, context, results):
+        """The picture becomes an image."""
+        ((picture, warnings),) = results
+        pictures.show(context, IMAGE, picture)
+        for warning in warnings:
+            self.report({"WARNING"}, warning)
+        return f"The image '{IMAGE}' shows the heights; open it in an image editor"
+
+
+CLASSES = (DIFFRACTION_OT_preview_levelling,)

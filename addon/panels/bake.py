@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage 3: from the heights to a table of colours."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import bake_settings, estimates, paths, progress
+from ..operators.setting_presets import DIFFRACTION_MT_bake_presets
+from ..table_state import NONE, READY, TableState, table_state
+from .sidebar import Sidebar, Stage, duration, file_name, megabytes, note, split
+
+
+class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
+    """From the heights to a table of colours"""
+
+    bl_label = "Bake"
+    bl_order = 3
+
+    def draw_header_preset(self, context):
+        row = self.layout.row(align=True)
+        row.menu(DIFFRACTION_MT_bake_presets.__name__, text="", icon="PRESET")
+        row.operator("diffraction.bake_preset_add", text="", icon="ADD")
+
+    def draw(self, context):
+        layout, state = split(self.layout), context.scene.diffraction
+        column = layout.column()
+        column.enabled = progress.running() is None
+        for name in ("ensemble", "sigma_s_um", "detail"):
+            column.prop(state, name)
+        if state.scan_path:
+            _estimate(layout, context.scene)
+        now = progress.running()
+        found = scene_table(context.scene)
+        if now is not None:
+            layout.progress(factor=now.fraction, text=f"{now.text}, Esc stops")
+        else:
+            again = found.kind != NONE
+            layout.operator("diffraction.bake", icon="RENDER_STILL", text="Bake Again" if again else "Bake")
+        _table(layout, state, found)
+
+
+class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
+    """Less needed options of the bake"""
+
+    bl_label = "Advanced"
+    bl_parent_id = "DIFFRACTION_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, state = split(self.layout), context.scene.diffraction
+        layout.enabled = progress.running() is None
+        for name in ("table_name", "illuminant", "series", "tolerance", "limit_mb"):
+            layout.prop(state, name)
+
+
+def scene_table(scene: bpy.types.Scene) -> TableState:
+    """State of the scene's own table."""
+    path = scene.diffraction.table_path
+    return table_state(paths.absolute(path) if path else None)
+
+
+def _estimate(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
+    found = estimates.estimate(scene)
+    if found is None:
+        layout.label(text="Estimating...", icon="TIME")
+    elif found.error:
+        note(layout, found.error, "ERROR")
+    else:
+        cost = found.cost
+        column = layout.column(align=True)
+        column.label(text=f"About {duration(estimates.seconds(found))}, {cost.nodes} terms", icon="TIME")
+        column.label(text=f"{megabytes(cost.memory_bytes)} of memory while baking", icon="MEMORY")
+        column.label(text=f"{megabytes(cost.disk_bytes)} on disk", icon="DISK_DRIVE")
+        column.label(text=f"{megabytes(cost.texel_bytes)} of texture when rendering", icon="TEXTURE")
+
+
+def _table(layout: bpy.types.UILayout, state: bpy.types.PropertyGroup, found: TableState) -> None:
+    if found.kind == NONE:
+        return
+    if found.kind != READY:
+        note(layout, f"{found.text}. Bake it again", "ERROR")
+        return
+    column = layout.column(align=True)
+    column.label(text=file_name(state.table_path), icon="CHECKMARK")
+    column.label(text=found.summary, icon="BLANK1")
+    if found.info.get("albedo_max", 0.0) > 1.0:
+        column.label(text=f"Albedo up to {found.info['albedo_max']:.2f} without energy conservation", icon="BLANK1")
+    changed = bake_settings.changed(state.table_recipe, state)
+    if changed:
+        note(
+            layout,
+            f"Changed since the bake: {', '.join(changed)}. The table shows the old ones until you bake",
+            "ERROR",
+        )
+
+
+CLASSES = (DIFFRACTION_PT_bake, DIFFRACTION_PT_bake_advanced)

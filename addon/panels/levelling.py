@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage 2: what is taken out of the heights."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import bake_settings, estimates, pictures, progress
+from ..operators.preview_levelling import IMAGE
+from .sidebar import Stage, note, split
+
+
+class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
+    """What is taken out of the heights before they diffract"""
+
+    bl_label = "Levelling"
+    bl_order = 2
+
+    def draw(self, context):
+        layout, state = split(self.layout), context.scene.diffraction
+        column = layout.column()
+        column.enabled = progress.running() is None
+        for name in bake_settings.LEVELLING:
+            column.prop(state, name)
+        layout.operator("diffraction.preview_levelling", icon="HIDE_OFF")
+        icon = pictures.preview_icon(IMAGE)
+        if icon:
+            layout.template_icon(icon_value=icon, scale=11.0)
+        found = estimates.estimate(context.scene)
+        for warning in found.warnings if found is not None else ():
+            note(layout, warning, "ERROR")
+
+
+CLASSES = (DIFFRACTION_PT_levelling,)

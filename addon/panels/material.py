@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stage 4: from the table to the surfaces."""
+
+from __future__ import annotations
+
+import bpy
+
+from .. import material, paths, scale, travel
+from ..operators.files import tables
+from ..table_state import READY, table_state
+from .bake import scene_table
+from .sidebar import Sidebar, Stage, file_name, megabytes, note, split
+
+
+class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
+    """From the table to the surfaces"""
+
+    bl_label = "Material"
+    bl_order = 4
+
+    def draw(self, context):
+        layout, state = split(self.layout), context.scene.diffraction
+        layout.prop(state, "implementation")
+        if state.implementation == "NODES":
+            note(layout, "Up to 8 lamps, no environment")
+        layout.prop(state, "fresnel")
+        if state.fresnel == "DIELECTRIC":
+            layout.prop(state, "ior")
+        layout.prop(state, "orientation")
+        active = context.object.data if context.object is not None and context.object.type == "MESH" else None
+        if state.orientation in {"UV", "TEXTURE"} and active is not None:
+            layout.prop_search(state, "uv_map", active, "uv_layers")
+        if state.orientation == "ATTRIBUTE" and active is not None:
+            layout.prop_search(state, "attribute", active, "attributes")
+        if state.orientation == "TEXTURE":
+            layout.prop_search(state, "angle_image", bpy.data, "images")
+        layout.prop(state, "rotation")
+        layout.prop(state, "conserve_energy")
+        if state.implementation == "OSL":
+            layout.prop(state, "environment")
+        layout.operator("diffraction.apply_material", icon="MATERIAL")
+        for text in _scale(context):
+            note(layout, text, "ERROR")
+
+
+class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
+    """Live controls of the active object's material"""
+
+    bl_label = "Active Material"
+    bl_parent_id = "DIFFRACTION_PT_material"
+
+    @classmethod
+    def poll(cls, context):
+        active = _active(context)
+        return material.is_ours(active) and material.shader_node(active) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        active = _active(context)
+        node = material.shader_node(active)
+        found = table_state(material.table_path(active))
+        layout.label(text=active.name, icon="MATERIAL")
+        row = layout.row()
+        if found.kind == READY:
+            packed = ", packed" if travel.is_packed(active) else ""
+            row.label(text=f"{travel.home(active).stem}: {found.summary}{packed}", icon="TEXTURE")
+        else:
+            row.label(text=travel.home(active).stem, icon="ERROR")
+            note(layout, found.text, "BLANK1")
+            layout.operator("diffraction.rebake", icon="FILE_REFRESH").scope = "ACTIVE"
+        row.operator("diffraction.use_material_scan", text="", icon="GREASEPENCIL")
+        if not active.is_editable:
+            note(layout, "This material is linked: it follows the lamps of its own file. Make it local to change it")
+            return
+        for name in material.LIVE_SOCKETS:
+            socket = node.inputs.get(name)
+            if socket is not None and not socket.is_linked:
+                layout.prop(socket, "default_value", text=bpy.path.display_name(name))
+
+
+class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
+    """The tables of this file: their memory, and whether they are there"""
+
+    bl_label = "Files"
+    bl_parent_id = "DIFFRACTION_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return material.any_ours()
+
+    def draw(self, context):
+        layout, total, broken, outside = self.layout, 0, False, False
+        for place, users in tables().items():
+            found = table_state(material.table_path(users[0]))
+            total += found.texture_bytes
+            ready = found.kind == READY
+            broken |= not ready
+            outside |= ready and users[0].is_editable and place.parent != paths.data_folder()
+            row = layout.row()
+            row.label(text=f"{file_name(place.name)} ({len(users)})", icon="TEXTURE" if ready else "ERROR")
+            row.label(text=megabytes(found.texture_bytes) if ready else found.kind.title())
+        layout.label(text=f"{megabytes(total)} of texture in all")
+        if broken:
+            layout.operator("diffraction.rebake", text="Bake Broken Again", icon="FILE_REFRESH").scope = "BROKEN"
+            layout.operator("diffraction.find_files", icon="VIEWZOOM")
+        if outside:
+            note(layout, "Some tables lie outside the folder of this .blend and will not move with it")
+            layout.operator("diffraction.collect_files", icon="FILE_PARENT")
+
+
+def _active(context: bpy.types.Context) -> bpy.types.Material | None:
+    return context.object.active_material if context.object is not None else None
+
+
+def _scale(context: bpy.types.Context) -> list[str]:
+    """Warnings for the active object, with what the scene's table was baked with."""
+    found = scene_table(context.scene)
+    if found.kind != READY:
+        return []
+    chosen, source = found.info.get("parameters", {}), found.info.get("source", {})
+    sigma_s = chosen.get("sigma_s_m") or 0.0
+    patch = max(source.get("size_m") or [0.0])
+    return scale.warnings(context.scene, context.object, chosen.get("ensemble", "average"), sigma_s, patch)
+
+
+CLASSES = (DIFFRACTION_PT_material, DIFFRACTION_PT_active, DIFFRACTION_PT_files)

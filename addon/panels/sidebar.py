@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the panels share, and the one that holds the others."""
+
+from __future__ import annotations
+
+import textwrap
+
+import bpy
+
+from .. import progress
+
+#: Characters that fit beside an icon in a sidebar of ordinary width.
+_WIDTH = 44
+
+
+class Sidebar:
+    """Mixin: the tab Diffraction in the 3-D view's sidebar."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Diffraction"
+
+
+class Stage(Sidebar):
+    """Mixin: a sub-panel of the main panel."""
+
+    bl_parent_id = "DIFFRACTION_PT_main"
+
+
+def split(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    """A layout with labels on the left, without animation dots."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout
+
+
+def note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
+    """A sentence, wrapped; its icon stands before the first line."""
+    column = layout.column(align=True)
+    column.scale_y = 0.8
+    for index, line in enumerate(textwrap.wrap(text, _WIDTH)):
+        column.label(text=line, icon=icon if index == 0 else "BLANK1")
+
+
+def file_name(path: str) -> str:
+    """Last part of a path that may begin with ``//``."""
+    return bpy.path.basename(path.removeprefix("//"))
+
+
+def megabytes(count: float) -> str:
+    """Bytes as people say them."""
+    return f"{count / 1e9:.2f} GB" if count >= 1e9 else f"{count / 1e6:.0f} MB"
+
+
+def duration(seconds: float) -> str:
+    """Seconds as people say them; an estimate needs no digits."""
+    if seconds < 10.0:
+        return f"{max(seconds, 1.0):.0f} s"
+    return f"{5 * round(seconds / 5)} s" if seconds < 100.0 else f"{seconds / 60:.0f} min"
+
+
+class DIFFRACTION_PT_main(Sidebar, bpy.types.Panel):
+    """From a scan to colours, in the order of the work"""
+
+    bl_label = "Diffraction"
+
+    def draw(self, context):
+        layout, now = self.layout, progress.running()
+        if now is not None:
+            layout.progress(factor=now.fraction, text=f"{now.text}, Esc stops")
+        if context.scene.diffraction.message:
+            note(layout, context.scene.diffraction.message, "ERROR")
+
+
+CLASSES = (DIFFRACTION_PT_main,)

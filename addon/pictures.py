@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Arrays as images of Blender, shown where the user looks."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+
+def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = False) -> bpy.types.Image:
+    """Make or replace an image data-block and show it in an image editor, if one is open.
+
+    Parameters
+    ----------
+    context
+        Where to look for an image editor.
+    name
+        Of the image; one of that name is replaced.
+    rgb
+        ``(height, width, 3)``, row 0 at the bottom: display values (sRGB), or linear Rec.709.
+    linear
+        Which of the two.
+    """
+    height, width, _ = rgb.shape
+    image = bpy.data.images.get(name)
+    if image is not None and (tuple(image.size) != (width, height) or image.is_float != linear or image.library):
+        bpy.data.images.remove(image)
+        image = None
+    if image is None:
+        image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=linear)
+        image.name = name
+    image.colorspace_settings.name = "Linear Rec.709" if linear else "sRGB"
+    pixels = np.ones((height, width, 4), np.float32)
+    pixels[..., :3] = rgb
+    image.pixels.foreach_set(pixels.ravel())
+    image.update()
+    image.pack()  # it has no file: without this a saved .blend would forget it
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "IMAGE_EDITOR":
+                area.spaces.active.image = image
+                area.tag_redraw()
+                return image
+    return image
+
+
+def preview_icon(name: str) -> int:
+    """Icon of an image for `UILayout.template_icon`; 0 where there is none."""
+    image = bpy.data.images.get(name)
+    if image is None:
+        return 0
+    return image.preview_ensure().icon_id

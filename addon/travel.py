@@ -1,0 +1,272 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What keeps materials whole when their .blend travels: Save As, append, link, copy, pack, another folder.
+
+OSL reads its images by a name in a socket, and Blender's path tools know nothing of sockets. They do know images.
+So a material points to the images of its table; whatever Blender does to those, the sockets follow. Packed images
+whose files are gone are written to a folder of the extension's own, because OSL cannot read a packed file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import bpy
+from bpy.app.handlers import persistent
+
+from ..precompute.atomic import atomic_path
+from ..precompute.errors import DiffractionError
+from . import paths, recipe
+
+#: Custom properties of materials that point to the images of their table, and the hash of the table they render.
+ATLAS, IMPORTANCE, SHA256 = "diffraction_atlas", "diffraction_importance", "diffraction_sha256"
+
+#: Custom property of materials: path of the table, see `material.TABLE_KEY`.
+_TABLE = "diffraction_table"
+
+_SOCKETS = ((ATLAS, "Atlas"), (IMPORTANCE, "Importance"))
+
+
+def attach(
+    material: bpy.types.Material, atlas: bpy.types.Image, importance: bpy.types.Image | None, sha256: str
+) -> None:
+    """Let a material point to its images, and know how its table was made."""
+    material[ATLAS] = atlas
+    if importance is not None:
+        material[IMPORTANCE] = importance
+    elif IMPORTANCE in material:
+        del material[IMPORTANCE]
+    material[SHA256] = sha256
+    path = paths.absolute(atlas.filepath)
+    for scene in bpy.data.scenes:
+        state = getattr(scene, "diffraction", None)
+        if state is not None and state.table_recipe and paths.absolute(state.table_path) == path:
+            material[recipe.KEY] = state.table_recipe
+
+
+def note_recipe(path: Path, made: str) -> None:
+    """Materials of a table remember how it was made."""
+    for material in bpy.data.materials:
+        if material.is_editable and _TABLE in material and home(material) == path:
+            material[recipe.KEY] = made
+
+
+def home(material: bpy.types.Material) -> Path:
+    """Where a material's table belongs, whether it is there or not."""
+    atlas = material.get(ATLAS)
+    if isinstance(atlas, bpy.types.Image):
+        return Path(bpy.path.abspath(atlas.filepath, library=atlas.library))
+    return Path(bpy.path.abspath(material[_TABLE], library=material.library))
+
+
+def is_packed(material: bpy.types.Material) -> bool:
+    """Whether the .blend holds the material's table."""
+    atlas = material.get(ATLAS)
+    return isinstance(atlas, bpy.types.Image) and atlas.packed_file is not None
+
+
+def sync(material: bpy.types.Material, folder: Path | None = None) -> bool:
+    """Write the images' places into the sockets; True if anything changed.
+
+    Parameters
+    ----------
+    material
+        One of ours.
+    folder
+        Write paths as seen from here (the .blend is about to be saved there); None takes what can be read now.
+    """
+    if not material.is_editable or material.node_tree is None:
+        return False
+    node = material.node_tree.nodes.get("Diffraction")
+    changed = False
+    for key, name in _SOCKETS:
+        image = material.get(key)
+        if not isinstance(image, bpy.types.Image):
+            continue
+        place = _readable(image) if folder is None else _seen_from(image, folder)
+        socket = node.inputs.get(name) if node is not None else None
+        if socket is not None and socket.type == "STRING" and socket.default_value != place:
+            socket.default_value = place
+            changed = True
+        if key == ATLAS and material[_TABLE] != place:
+            material[_TABLE] = place
+            changed = True
+    return changed
+
+
+def sync_all() -> None:
+    """All materials of the file."""
+    for material in bpy.data.materials:
+        if _TABLE in material:
+            sync(material)
+
+
+def bring_up_to_date(scene: bpy.types.Scene) -> list[str]:
+    """Adapt materials to tables that were baked anew elsewhere (their layout is compiled in); what cannot be done."""
+    from . import lights
+    from . import material as materials
+    from .table_state import READY, table_state
+
+    problems = []
+    for material in materials.our_materials():
+        found = table_state(materials.table_path(material))
+        if found.kind != READY:
+            problems.append(f"{material.name}: {found.text}")
+        elif material.get(SHA256) not in (None, found.info["atlas"].get("sha256")):
+            try:
+                lamps = lights.lamp_objects(scene)
+                materials.apply(material, materials.table_path(material), materials.settings_of(material), lamps)
+            except DiffractionError as error:
+                problems.append(f"{material.name}: {error}")
+    return problems
+
+
+def refresh(path: Path, scene: bpy.types.Scene, made: str) -> None:
+    """A table was baked: materials that belong to it follow, and what was packed is packed again."""
+    from . import lights
+    from . import material as materials
+
+    note_recipe(path, made)
+    for material in materials.our_materials():
+        if home(material) == path:
+            packed = is_packed(material)
+            materials.apply(material, path, materials.settings_of(material), lights.lamp_objects(scene))
+            if packed:
+                for key, _ in _SOCKETS:
+                    if isinstance(material.get(key), bpy.types.Image):
+                        material[key].pack()
+            sync(material)
+
+
+def _readable(image: bpy.types.Image) -> str:
+    """A path that OSL can read now: the image's own, or that of an unpacked copy."""
+    if image.packed_file is None or paths.absolute(image.filepath).is_file():
+        return image.filepath
+    try:
+        return str(_unpack(image))
+    except DiffractionError:
+        return image.filepath
+
+
+def _unpack(image: bpy.types.Image) -> Path:
+    """A packed image as a file, with the sidecar that its header carries."""
+    from ..precompute.exr import read_text
+
+    content = image.packed_file.data
+    target = unpacked_place(image)
+    if not target.is_file() or hashlib.sha256(target.read_bytes()).digest() != hashlib.sha256(content).digest():
+        with atomic_path(target) as temporary:
+            temporary.write_bytes(content)
+    text = read_text(target)
+    sidecar = target.with_suffix(".json")
+    if text and not target.stem.endswith(".importance"):
+        with atomic_path(sidecar) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+    return target
+
+
+def unpacked_place(image: bpy.types.Image) -> Path:
+    """Where a packed image is written: a table and its image of directions side by side, under their own names."""
+    place = Path(image.filepath.replace("//", "").replace("\\", "/"))
+    folder = hashlib.sha256(f"{bpy.data.filepath}|{place.parent}".encode()).hexdigest()[:16]
+    return paths.unpack_folder() / folder / place.name
+
+
+def _seen_from(image: bpy.types.Image, folder: Path) -> str:
+    path = image.filepath
+    if not path.startswith("//"):
+        return path
+    try:
+        return bpy.path.relpath(str(paths.absolute(path)), start=str(folder)).replace("\\", "/")
+    except ValueError:  # another drive
+        return str(paths.absolute(path))
+
+
+@persistent
+def _before_save(*arguments) -> None:
+    """The file gets the names that will be right in its new folder."""
+    target = next((a for a in arguments if isinstance(a, str) and a), bpy.data.filepath)
+    if not target:
+        return
+    folder = Path(bpy.path.abspath(target)).parent
+    for material in bpy.data.materials:
+        if _TABLE in material:
+            sync(material, folder)
+    for scene in bpy.data.scenes:
+        state = scene.diffraction
+        for name in ("scan_path", "table_path"):
+            place = getattr(state, name)
+            if place and scene.is_editable:
+                _places[scene.name, name] = paths.absolute(place)
+                seen = _from(paths.absolute(place), folder, place)
+                if seen != place:
+                    setattr(state, name, seen)
+
+
+#: Absolute paths of the scenes' scans and tables while a file is being saved.
+_places: dict[tuple[str, str], Path] = {}
+
+
+def _from(path: Path, folder: Path, before: str) -> str:
+    """Relative where it was before, or where the file lies in or beside the folder."""
+    if not before.startswith("//") and not path.is_relative_to(folder):
+        return before
+    try:
+        return bpy.path.relpath(str(path), start=str(folder)).replace("\\", "/")
+    except ValueError:
+        return str(path)
+
+
+@persistent
+def _after_save(*_) -> None:
+    """Back to what is right here and now (a copy may have been saved elsewhere)."""
+    sync_all()
+    folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
+    for (scene_name, name), path in _places.items():
+        scene = bpy.data.scenes.get(scene_name)
+        if scene is not None:
+            state = scene.diffraction
+            place = _from(path, folder, getattr(state, name)) if folder is not None else str(path)
+            if getattr(state, name) != place:
+                setattr(state, name, place)
+    _places.clear()
+
+
+@persistent
+def _loaded(*_) -> None:
+    sync_all()
+    for problem in bring_up_to_date(bpy.context.scene):
+        print(f"Diffraction: {problem}; the panel Diffraction > Material > Files bakes it again.")
+
+
+@persistent
+def _imported(*_) -> None:
+    """After append, link and paste."""
+    sync_all()
+
+
+_HANDLERS = (
+    ("save_pre", _before_save),
+    ("save_post", _after_save),
+    ("save_post_fail", _after_save),
+    ("load_post", _loaded),
+    ("blend_import_post", _imported),
+    ("undo_post", _imported),
+    ("redo_post", _imported),
+)
+
+
+def register() -> None:
+    """Begin to follow."""
+    for name, handler in _HANDLERS:
+        where = getattr(bpy.app.handlers, name, None)
+        if where is not None and handler not in where:
+            where.append(handler)
+
+
+def unregister() -> None:
+    """Stop."""
+    for name, handler in _HANDLERS:
+        where = getattr(bpy.app.handlers, name, None)
+        if where is not None and handler in where:
+            where.remove(handler)
