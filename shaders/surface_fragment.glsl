@@ -15,6 +15,13 @@ mat3 scan_frame(vec3 n)
     t = normalize(t);
     vec3 across = cross(n, t) * (world_tangent.w < 0.0 ? -1.0 : 1.0);
     float c = df_surface.rotation.x, s = df_surface.rotation.y;
+    if (df_surface.rotation.z > 0.5) {  // an image of angles, white is a whole turn
+        vec2 size = vec2(textureSize(df_angle, 0));
+        float turn = texelFetch(df_angle, ivec2(min(fract(world_uv) * size, size - 1.0)), 0).r;
+        float angle = TWO_PI * turn + df_surface.rotation.w;
+        c = cos(angle);
+        s = sin(angle);
+    }
     return mat3(c * t + s * across, c * across - s * t, n);
 }
 
@@ -50,6 +57,9 @@ void main()
             light += irradiance * f_cos * fresnel(sqrt(max(0.0, 0.5 * (1.0 + dot(wi, to_viewer)))));
         }
     }
+    // A plain world, seen by a surface that sends it back from all over the hemisphere alike.
+    if (diffracts && df_surface.conductor_n.w > 0.5)
+        light += df_frame.ambient.rgb * min(table_albedo(wr), 1.0) * fresnel(cos_r);
     light *= df_surface.fresnel.w;
     if (replaces) {
         pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);

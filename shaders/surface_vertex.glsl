@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A corner of a mesh: its place, normal and tangent in world space.
+// A corner of a mesh: its place, normal and tangent in world space, and its UV.
 
 void main()
 {
@@ -11,6 +11,7 @@ void main()
     world_place = world.xyz;
     world_normal = hand * (cofactor * nor);
     world_tangent = vec4(linear * tan.xyz, hand * tan.w);
+    world_uv = uv;
     vec4 view = df_frame.view * world;
     // The scene's own pass has computed the same depth by other steps: a hair towards the viewer, so that its rounding
     // does not hide us.

@@ -78,10 +78,11 @@ def _upload(arrays: corners.Corners) -> dict[int, Any]:
     import gpu
 
     form = gpu.types.GPUVertFormat()
-    for name, width in (("pos", 3), ("nor", 3), ("tan", 4)):
+    for name, width in (("pos", 3), ("nor", 3), ("tan", 4), ("uv", 2)):
         form.attr_add(id=name, comp_type="F32", len=width, fetch_mode="FLOAT")
     points = gpu.types.GPUVertBuf(len=len(arrays.places), format=form)
-    for name, values in (("pos", arrays.places), ("nor", arrays.normals), ("tan", arrays.tangents)):
+    columns = {"pos": arrays.places, "nor": arrays.normals, "tan": arrays.tangents, "uv": arrays.uv}
+    for name, values in columns.items():
         points.attr_fill(name, values)
     return {
         slot: gpu.types.GPUBatch(type="TRIS", buf=points, elem=gpu.types.GPUIndexBuf(type="TRIS", seq=triangles))

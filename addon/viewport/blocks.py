@@ -10,10 +10,11 @@ import numpy as np
 from ...precompute.layout import TableLayout
 from ..osl import FRESNEL, LAMPS_MAX
 
-#: Side of the cube that holds the view transform, and the two numbers of its axes, see `display`.
+#: Side of the cube that holds the view transform; its axes are even in log(1 + gain x) up to the value white, both at an
+#: exposure of 0.
 DISPLAY_SIDE = 64
-DISPLAY_GAIN = 64.0
-DISPLAY_WHITE = 128.0
+DISPLAY_GAIN = 32.0
+DISPLAY_WHITE = 32.0
 
 
 @dataclass
@@ -30,6 +31,8 @@ class Frame:
         Points that stand for a wide lamp.
     display
         Whether colours go through the view transform.
+    exposure
+        Of the view transform, in stops.
     ambient
         ``(3,)`` radiance of the world, for the pigment.
     """
@@ -39,6 +42,7 @@ class Frame:
     lamps: np.ndarray
     points: int = 4
     display: bool = False
+    exposure: float = 0.0
     ambient: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def rows(self) -> np.ndarray:
@@ -54,7 +58,8 @@ class Frame:
             rows[8] = *(to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])), 0.0
         rows[9] = len(self.lamps), self.points, float(self.display), 0.0
         side = DISPLAY_SIDE
-        rows[10] = DISPLAY_GAIN, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side
+        gain = DISPLAY_GAIN * 2.0**self.exposure
+        rows[10] = gain, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side
         rows[11, :3] = self.ambient
         if len(self.lamps):
             rows[12 : 12 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
@@ -77,6 +82,10 @@ class Surface:
         Divide f by the albedo where that passes 1.
     rotation
         Radians.
+    angle_image
+        Whether an image adds to the rotation.
+    environment
+        Whether light of a plain world is diffracted.
     brightness
         Factor on the diffracted light.
     pigment
@@ -90,6 +99,8 @@ class Surface:
     conductor_k: tuple[float, float, float] = (7.47, 6.54, 5.47)
     conserve_energy: bool = True
     rotation: float = 0.0
+    angle_image: bool = False
+    environment: bool = True
     brightness: float = 1.0
     pigment: tuple[float, float, float] | None = None
     layout: TableLayout = field(kw_only=True)
@@ -105,7 +116,8 @@ class Surface:
         rows[4:7, :3] = self.to_rgb
         rows[7] = FRESNEL[self.fresnel], self.ior, float(self.conserve_energy), self.brightness
         rows[8, :3], rows[9, :3] = self.conductor_n, self.conductor_k
-        rows[10, :2] = np.cos(self.rotation), np.sin(self.rotation)
+        rows[8, 3] = float(self.environment)
+        rows[10] = np.cos(self.rotation), np.sin(self.rotation), float(self.angle_image), self.rotation
         if self.pigment is not None:
             rows[11] = *self.pigment, 1.0
         return rows

@@ -21,7 +21,9 @@ class Corners:
         ``(n, 3)`` in object space.
     tangents
         ``(n, 4)``: along the scan's x in object space, not of unit length where it is interpolated; last the sign of
-        the bitangent. Zero where the mesh does not tell.
+        the bitangent (0: right-handed). Zero where the mesh does not tell.
+    uv
+        ``(n, 2)`` of the map that pictures use.
     triangles
         ``(m, 3)`` corners, by material slot.
     """
@@ -29,6 +31,7 @@ class Corners:
     places: np.ndarray
     normals: np.ndarray
     tangents: np.ndarray
+    uv: np.ndarray
     triangles: dict[int, np.ndarray]
 
 
@@ -45,11 +48,19 @@ def of(mesh: bpy.types.Mesh, orientation: Orientation) -> Corners | None:
     slots = _read(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
     places = vertices[corner_vertex]
     tangents, unrolled = _tangents(mesh, orientation, vertices, corner_vertex, normals, corners)
+    uv = _picture_uv(mesh)
     if unrolled:
-        places, normals = places[corners.ravel()], normals[corners.ravel()]
+        places, normals, uv = (values[corners.ravel()] for values in (places, normals, uv))
         corners = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
     triangles = {int(slot): np.ascontiguousarray(corners[slots == slot]) for slot in np.unique(slots)}
-    return Corners(places, normals, tangents, triangles)
+    return Corners(places, normals, tangents, uv, triangles)
+
+
+def _picture_uv(mesh: bpy.types.Mesh) -> np.ndarray:
+    layer = next((each for each in mesh.uv_layers if each.active_render), None)
+    if layer is None:
+        return np.zeros((len(mesh.loops), 2), np.float32)
+    return _read(layer.uv, "vector", 2)
 
 
 def _read(collection, name: str, width: int, dtype: type = np.float32) -> np.ndarray:
@@ -65,7 +76,6 @@ def _tangents(mesh, orientation, vertices, corner_vertex, normals, corners) -> t
         if layer is not None:
             return _uv_tangents(mesh, layer.name, normals, corners)
     tangents = np.zeros((len(corner_vertex), 4), np.float32)
-    tangents[:, 3] = 1.0
     if orientation.mode == "ATTRIBUTE":
         values = _attribute(mesh, orientation.name, corner_vertex)
         if values is not None:

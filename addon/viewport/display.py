@@ -30,21 +30,21 @@ def signature(scene: bpy.types.Scene) -> tuple:
     )
 
 
-def axis() -> np.ndarray:
-    """``(DISPLAY_SIDE,)`` scene-linear values along each edge of the cube."""
+def axis(exposure: float = 0.0) -> np.ndarray:
+    """``(DISPLAY_SIDE,)`` scene-linear values along each edge of the cube, for an exposure in stops."""
     place = np.linspace(0.0, 1.0, DISPLAY_SIDE)
-    return (np.exp2(place * np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0)) - 1.0) / DISPLAY_GAIN
+    return (np.exp2(place * np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0)) - 1.0) / (DISPLAY_GAIN * 2.0**exposure)
 
 
 def plain_cube() -> np.ndarray:
     """``(side, side, side, 3)``, blue first: clipped and encoded as sRGB, for the time until the scene's is made."""
     from ...precompute.colour import encode_srgb
 
-    return encode_srgb(_colours())
+    return encode_srgb(_colours(0.0))
 
 
-def _colours() -> np.ndarray:
-    values = axis()
+def _colours(exposure: float) -> np.ndarray:
+    values = axis(exposure)
     blue, green, red = np.meshgrid(values, values, values, indexing="ij")
     return np.stack([red, green, blue], -1)
 
@@ -53,7 +53,7 @@ def make_cube(scene: bpy.types.Scene) -> np.ndarray:
     """``(side, side, side, 3)`` display values of scene-linear colours, blue first. Not to be called while drawing."""
     side = DISPLAY_SIDE
     colours = np.ones((side, side, side, 4), np.float32)
-    colours[..., :3] = _colours()
+    colours[..., :3] = _colours(scene.view_settings.exposure)
     saved = save_as_render(colours.reshape(side, side * side, 4), scene)
     return saved.reshape(side, side, side, 4)[..., :3]
 

@@ -13,7 +13,8 @@ import bpy
 import numpy as np
 
 from ...precompute.errors import DiffractionError
-from . import blocks, items, lamps, looks, sources
+from .. import material
+from . import blocks, items, lamps, looks, orientation, sources
 from .batches import Meshes
 from .display import Display
 from .looks import View
@@ -85,6 +86,7 @@ class Renderer:
         through_display: bool,
         visible: Callable[[bpy.types.Object], bool],
         list_key: int = 0,
+        shaded_by: str = "",
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
 
@@ -100,12 +102,14 @@ class Renderer:
             Whether an original object is to be drawn.
         list_key
             Tells apart views that show different objects.
+        shaded_by
+            Engine that has drawn the materials already; empty where only shapes were drawn.
         """
         attempt = (self.version, view)
         if self._failed == attempt:
             return 0
         try:
-            count = self._draw(depsgraph, view_matrix, projection, view, through_display, visible, list_key)
+            count = self._draw(depsgraph, view_matrix, projection, view, through_display, visible, list_key, shaded_by)
         except DiffractionError as error:
             self._fail(attempt, str(error))
             return 0
@@ -121,17 +125,20 @@ class Renderer:
             print(f"Diffraction: {message}")
         self.message, self._failed = message, attempt
 
-    def _draw(self, depsgraph, view_matrix, projection, view, through_display, visible, list_key) -> int:
+    def _draw(self, depsgraph, view_matrix, projection, view, through_display, visible, list_key, shaded_by) -> int:
         import gpu
 
-        listing = self._listing(depsgraph, visible, list_key)
+        # EEVEE shows the materials that are made of nodes itself.
+        skips = shaded_by == "EEVEE" and view.surface == "ADD"
+        listing = self._listing(depsgraph, visible, list_key, skips)
         self.message = ""
         if not listing.items:
             return 0
         rows = listing.lamps
         if view.lights == "STUDIO" or not len(rows):
             rows = lamps.studio_rows(view_matrix)
-        frame = blocks.Frame(view_matrix, projection, rows, view.points, through_display, listing.ambient)
+        exposure = depsgraph.scene.original.view_settings.exposure
+        frame = blocks.Frame(view_matrix, projection, rows, view.points, through_display, exposure, listing.ambient)
         shader = sources.surface(view.method)
         state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
         gpu.state.blend_set("NONE" if view.surface == "REPLACE" else "ADDITIVE")
@@ -155,12 +162,16 @@ class Renderer:
         return len(listing.items)
 
     def _bind(self, shader, shaded: bpy.types.Material, view: View) -> None:
+        import gpu
+
         path = looks.table_path(shaded)
         table = self.tables.get(path)
         look = looks.surface(shaded, table.layout, table.info, view)
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         shader.uniform_sampler("df_albedo", table.albedo)
+        turned = orientation.angle_image(shaded)
+        shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]) if turned else table.albedo)
         if view.method == "FLSS":
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)
@@ -178,16 +189,16 @@ class Renderer:
         self._uniforms[key] = held
         return held[1]
 
-    def _listing(self, depsgraph, visible, list_key) -> _Listing:
+    def _listing(self, depsgraph, visible, list_key, skips_nodes) -> _Listing:
         scene = depsgraph.scene.original
-        key = (scene.session_uid, depsgraph.view_layer.name, list_key)
+        key = (scene.session_uid, depsgraph.view_layer.name, list_key, skips_nodes)
         version = self.version
         listing = self._listings.get(key)
         if listing is None or listing.version != version:
             self._forget()
             made = _Listing(
                 version,
-                items.gather(depsgraph, self.meshes, visible),
+                items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m))),
                 lamps.scene_rows(
                     depsgraph, {ob.name_full for ob in scene.objects if ob.type == "LIGHT" and visible(ob)}
                 ),
@@ -218,6 +229,11 @@ class Renderer:
         uids = {m.session_uid for m in shown}
         for key in [k for k in self._uniforms if k[0] == "surface" and k[1] not in uids]:
             del self._uniforms[key]
+
+
+def _is_of_nodes(shaded: bpy.types.Material) -> bool:
+    node = material.shader_node(shaded)
+    return node is not None and node.bl_idname == "ShaderNodeGroup"
 
 
 def ambient(scene: bpy.types.Scene) -> tuple[float, float, float]:

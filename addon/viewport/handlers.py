@@ -37,6 +37,7 @@ def draw_view() -> None:
         through_display=True,
         visible=lambda ob: ob.visible_in_viewport_get(space),
         list_key=space.as_pointer() if space.local_view is not None else 0,
+        shaded_by="EEVEE" if shading in {"MATERIAL", "RENDERED"} and scene.render.engine != "BLENDER_WORKBENCH" else "",
     )
 
 

@@ -27,15 +27,22 @@ class Item:
     batch: Any
 
 
-def gather(depsgraph: bpy.types.Depsgraph, meshes: Meshes, visible: Callable[[bpy.types.Object], bool]) -> list[Item]:
+def gather(
+    depsgraph: bpy.types.Depsgraph,
+    meshes: Meshes,
+    visible: Callable[[bpy.types.Object], bool],
+    shown: Callable[[bpy.types.Material], bool],
+) -> list[Item]:
     """All pieces to draw, instances included.
 
     Parameters
     ----------
     visible
         Whether an original object (of an instance: the one that makes it) is to be drawn.
+    shown
+        Whether a material of ours is to be drawn.
     """
-    ours = {m.session_uid: m for m in bpy.data.materials if material.is_ours(m) and _shown(m)}
+    ours = {m.session_uid: m for m in bpy.data.materials if material.is_ours(m) and _shown(m) and shown(m)}
     if not ours:
         return []
     orientations = {uid: orientation.of(m) for uid, m in ours.items()}

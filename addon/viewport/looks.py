@@ -14,6 +14,7 @@ from ...precompute.colour import xyz_to_rgb_matrix
 from ...precompute.layout import TableLayout
 from .. import material
 from ..osl import FRESNEL
+from . import orientation
 from .blocks import Surface
 
 
@@ -66,8 +67,12 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
         conductor_k=tuple(value("ConductorK", (7.47, 6.54, 5.47)))[:3],
         conserve_energy=bool(value("ConserveEnergy", 1)) and info["albedo_max"] > 1.0,
         rotation=float(value("Rotation", 0.0)),
+        environment=bool(value("Environment", 0)),
         brightness=float(value("Brightness", 1.0)) * view.brightness,
     )
+    turned = orientation.angle_image(shaded)
+    if turned is not None:
+        look.angle_image, look.rotation = True, turned[1]
     if view.normalisation == "RELATIVE":
         look.brightness *= relative_gain(info, look)
     if view.surface == "REPLACE":

@@ -148,6 +148,7 @@ def render(
                         through_display=False,
                         visible=lambda ob: ob.visible_in_viewport_get(space),
                         list_key=1,
+                        shaded_by="EEVEE" if shading != "SOLID" else "",
                     )
                 if renderer.message:
                     raise ParameterError(renderer.message)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import material
+from .. import frame, material
 
 #: Modes: the tangent of a UV map, a vector attribute of the mesh, round an axis of the object, the object's x.
 MODES = ("UV", "ATTRIBUTE", "RADIAL", "OBJECT")
@@ -36,6 +36,17 @@ def of(shaded: bpy.types.Material) -> Orientation:
     if socket is None or not socket.links:
         return Orientation("OBJECT") if socket is not None else Orientation()
     return _follow(socket)
+
+
+def angle_image(shaded: bpy.types.Material) -> tuple[bpy.types.Image, float] | None:
+    """The image that turns the scan and the angle (radians) of its black; None where there is none."""
+    node = material.shader_node(shaded)
+    socket = node.inputs.get("Rotation") if node is not None else None
+    picture = shaded.node_tree.nodes.get(frame.ANGLE_IMAGE) if shaded.node_tree is not None else None
+    if socket is None or not socket.links or picture is None or picture.image is None:
+        return None
+    scale = socket.links[0].from_node
+    return picture.image, float(scale.inputs[2].default_value) if len(scale.inputs) > 2 else 0.0
 
 
 def _follow(socket: bpy.types.NodeSocket, depth: int = 8) -> Orientation:

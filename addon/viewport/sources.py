@@ -62,13 +62,15 @@ def surface(method: str):
 
     info = _begin(method)
     info.sampler(2, "FLOAT_3D", "df_display")
+    info.sampler(4, "FLOAT_2D", "df_angle")
     info.push_constant("MAT4", "df_model")
-    for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"))):
+    for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
         info.vertex_in(slot, kind, name)
     between = gpu.types.GPUStageInterfaceInfo("diffraction_surface")
     between.smooth("VEC3", "world_place")
     between.smooth("VEC3", "world_normal")
     between.smooth("VEC4", "world_tangent")
+    between.smooth("VEC2", "world_uv")
     info.vertex_out(between)
     info.vertex_source(_text("surface_vertex.glsl"))
     info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "display.glsl", "surface_fragment.glsl"))

@@ -277,3 +277,41 @@ def test_energy_is_conserved_by_the_albedo(renderer, tmp_path):
     image = drawing.alone(renderer, SIZE)
     reference, inside = expected(bright, sphere, [LAMPS["sun"][1]], conserve=True)
     _assert_lit_parts_agree(image, reference, inside, "viewport conserved")
+
+
+@pytest.mark.parametrize("orientation", ["UV", "ATTRIBUTE", "RADIAL", "TEXTURE"])
+def test_orientations_of_the_material(renderer, table, path, orientation):
+    """The add-on's own choices of orientation, as its operator sets them."""
+    import bpy
+
+    sphere = scenes.add_sphere(segments=256, rings=128)
+    attribute = sphere.data.attributes.new("along", "FLOAT_VECTOR", "POINT")
+    places = np.array([v.co for v in sphere.data.vertices])
+    attribute.data.foreach_set("vector", (places @ _TURN).astype(np.float32).ravel())
+    angles = bpy.data.images.new("angles", 2, 1, float_buffer=True)
+    angles.colorspace_settings.name = "Non-Color"
+    angles.pixels.foreach_set(np.array([0.2, 0.2, 0.2, 1.0, 0.7, 0.7, 0.7, 1.0], np.float32))
+    scene.add_lamp("SUN", (0.5, 0.3, 2), power=2.0, angle=0.0)
+    scenes.add_camera(direction=(0.4, -0.2, 1.0))
+    scene.give_material(
+        sphere, path, fresnel="NONE", orientation=orientation, attribute="along", angle_image="angles", rotation=0.3
+    )
+    image = drawing.alone(renderer, SIZE)
+
+    def turned(points):
+        """Half of the sphere is turned by a fifth, half by seven tenths of a turn."""
+        east = np.cross((0.0, 0.0, 1.0), points)
+        north = np.cross(points, east)
+        first = points[..., 1:2] > 0  # u in the first half
+        angle = 2 * np.pi * np.where(first, 0.2, 0.7)
+        unit = [v / np.linalg.norm(v, axis=-1, keepdims=True) for v in (east, north)]
+        return np.cos(angle) * unit[0] + np.sin(angle) * unit[1]
+
+    tangent = {
+        "UV": None,
+        "ATTRIBUTE": lambda p: p @ _TURN,
+        "RADIAL": lambda p: p * (1.0, 1.0, 0.0),  # away from the axis
+        "TEXTURE": turned,
+    }[orientation]
+    reference, inside = expected(table, sphere, [LAMPS["sun"][1]], rotation=0.3, tangent=tangent)
+    _assert_lit_parts_agree(image, reference, inside, f"viewport {orientation}")
