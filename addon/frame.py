@@ -52,7 +52,7 @@ def attribute_frame(
     read, turn = tree.nodes.new("ShaderNodeAttribute"), tree.nodes.new("ShaderNodeVectorTransform")
     read.name, turn.name = ATTRIBUTE, TANGENT
     read.attribute_name = name
-    turn.vector_type, turn.convert_from, turn.convert_to = "NORMAL", "OBJECT", "WORLD"
+    turn.vector_type, turn.convert_from, turn.convert_to = "VECTOR", "OBJECT", "WORLD"
     read.location, turn.location = (at[0] - 200.0, at[1]), at
     tree.links.new(read.outputs["Vector"], turn.inputs["Vector"])
     return turn.outputs["Vector"], None

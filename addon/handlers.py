@@ -38,7 +38,7 @@ def update_lamps(scene: bpy.types.Scene, force: bool = False) -> bool:
             material.follow_lamps(each, scene)
             node = material.shader_node(each)
             material.set_working_space(node, each.get("diffraction_illuminant", "D65"))
-        setup.prepare_scene(scene, lamps)
+        setup.prepare_scene(scene, lamps, any(map(material.needs_osl, materials)))
         _signatures[key] = signature
         limit = min(map(material.lamps_max, materials))
         text = lights.too_many(lamps, limit) if len(lamps) > limit else ""

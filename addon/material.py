@@ -346,6 +346,7 @@ def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) 
     tree.links.new(tangent, node.inputs["Tangent"])
     if bitangent is not None:
         tree.links.new(bitangent, node.inputs["Bitangent"])
+    node.inputs["TangentIsDirection"].default_value = int(settings.orientation == "ATTRIBUTE")
     node.inputs["Rotation"].default_value = turn
     if settings.orientation == "TEXTURE":
         image = bpy.data.images.get(settings.angle_image)

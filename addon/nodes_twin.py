@@ -30,6 +30,7 @@ _INPUTS: dict[str, tuple[str, object]] = {
     "Normal": (_VECTOR, (0.0, 0.0, 0.0)),
     "Tangent": (_VECTOR, (0.0, 0.0, 0.0)),
     "Bitangent": (_VECTOR, (0.0, 0.0, 0.0)),
+    "TangentIsDirection": ("NodeSocketInt", 0),
     "Rotation": (_NUMBER, 0.0),
     "Brightness": (_NUMBER, 1.0),
     "IOR": (_NUMBER, 1.5),
@@ -110,20 +111,26 @@ class _Surface:
         self._albedo_r = self._albedo_of(self._wr)
 
     def _surface_direction(self, name: str) -> Socket:
-        """Undo the transform of normals and apply that of directions, see ``shaders/diffraction.osl``."""
-        inwards = self.graph.add(
-            "ShaderNodeVectorTransform", vector_type="NORMAL", convert_from="WORLD", convert_to="OBJECT"
-        )
-        outwards = self.graph.add(
-            "ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD"
-        )
-        self.graph.put(inwards.inputs[0], self._in[name])
-        self.graph.put(outwards.inputs[0], inwards.outputs[0])
-        return outwards.outputs[0]
+        """Undo the transform of normals and apply that of directions, see ``shaders/diffraction.osl``.
+
+        With M the object's matrix, a normal's transform is undone by its transpose: the components are the
+        products with M's columns, the images of the axes. (Vector Transform itself treats normals as directions.)
+        """
+        graph, given = self.graph, self._in[name]
+        total: Value = (0.0, 0.0, 0.0)
+        for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+            column = graph.add(
+                "ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD"
+            )
+            graph.put(column.inputs[0], axis)
+            column = column.outputs[0]
+            total = graph.vector("ADD", total, graph.scaled(column, graph.scalar("DOT_PRODUCT", given, column)))
+        return total
 
     def _frame(self) -> tuple[Socket, Socket]:
         graph, n = self.graph, self._n
         t, b = self._surface_direction("Tangent"), self._surface_direction("Bitangent")
+        t = graph.mix(self._in["TangentIsDirection"], t, self._in["Tangent"])
         t = graph.vector("SUBTRACT", t, graph.scaled(n, graph.scalar("DOT_PRODUCT", t, n)))
         t = graph.vector("NORMALIZE", t)
         across = graph.vector("CROSS_PRODUCT", n, t)

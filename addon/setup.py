@@ -11,16 +11,16 @@ import bpy
 BEFORE = "diffraction_before"
 
 
-def prepare_scene(scene: bpy.types.Scene, lamps: list[bpy.types.Object]) -> list[str]:
+def prepare_scene(scene: bpy.types.Scene, lamps: list[bpy.types.Object], needs_osl: bool = True) -> list[str]:
     """Set what Cycles needs and say what was changed, one sentence without a full stop each.
 
-    * OSL on (CPU and OptiX);
+    * OSL on (CPU and OptiX), where a material has it;
     * multiple importance sampling off for lamps: aimed lobes are found by sampling the lamp, a ray that
       finds the lamp by chance only adds noise.
     """
     notes = []
     cycles = getattr(scene, "cycles", None)
-    if cycles is not None and not cycles.shading_system:
+    if needs_osl and cycles is not None and not cycles.shading_system:
         _remember(scene, "shading_system", False)
         cycles.shading_system = True
         notes.append("Open Shading Language is on for this scene")

@@ -48,6 +48,12 @@ def test_attribute(plane, tmp_path):
     assert not shines_for(plane, tmp_path, 270, **settings).any()
     plane.rotation_euler = (0, 0, np.pi / 2)  # the attribute turns with the object: now it points to +x
     assert shines_for(plane, tmp_path, 180, **settings).all()
+    plane.rotation_euler = (0, 0, 0)
+    plane.scale = (1, 0.2, 1)  # and shears with it: (1, -1, 0) becomes (1, -0.2, 0), nearly +x
+    attribute.data.foreach_set("vector", np.tile(np.float32((1, -1, 0)), 4))
+    azimuth = np.degrees(np.arctan2(-0.2, 1.0))
+    for past, bright in ((75, True), (105, False), (-75, True), (-105, False)):  # u > 0.1 ends near 78 degrees
+        assert (shines_for(plane, tmp_path, azimuth + 180 + past, **settings)[7:9].mean() > 0.5) == bright
 
 
 def test_radial_points_outwards(plane, tmp_path):
