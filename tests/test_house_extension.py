@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 MODULE = "bl_ext.user_default.diffraction_shader"
-BUNDLED = ("scipy", "colour", "OpenEXR", "matplotlib", "gwyfile", "gsffile", "tifffile")
+BUNDLED = ("scipy", "colour", "OpenEXR", "matplotlib", "tifffile", "threadpoolctl")
 
 IN_BLENDER = f"""
 import json, os, sys
@@ -43,9 +43,9 @@ os._exit(0)
 OUTSIDE_BLENDER = """
 import sys
 sys.path[:] = [path for path in sys.path if "site-packages" not in path] + sys.argv[1:]
-import colour, gsffile, gwyfile, matplotlib.pyplot, OpenEXR, scipy.fft, scipy.ndimage, scipy.signal, tifffile
+import colour, matplotlib.pyplot, OpenEXR, scipy.fft, scipy.ndimage, scipy.signal, threadpoolctl, tifffile
 import dateutil, PIL.Image
-for module in (colour, gsffile, gwyfile, matplotlib, OpenEXR, scipy, tifffile):
+for module in (colour, matplotlib, OpenEXR, scipy, threadpoolctl, tifffile):
     assert module.__file__.startswith(sys.argv[1]), module.__file__
 """
 

@@ -10,7 +10,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 BLENDER = {"bpy", "bpy_extras", "bmesh", "gpu", "gpu_extras", "mathutils", "bl_ui", "blf", "aud", "idprop", "freestyle"}
-HEAVY = {"scipy", "colour", "OpenEXR", "matplotlib", "gwyfile", "gsffile", "tifffile", "PIL"}
+HEAVY = {"scipy", "colour", "OpenEXR", "matplotlib", "tifffile", "threadpoolctl", "PIL"}
 NETWORK = {"requests", "urllib", "http", "socket", "ftplib", "smtplib", "ssl", "xmlrpc", "pip", "ensurepip"}
 OWN = {"addon", "precompute", "shaders", "sample_blend", "tests", "tools"}
 
@@ -59,6 +59,14 @@ def test_reading_imports_tells_load_from_call():
     )
     assert absolute(imports(tree)) == {"a", "c", "scipy"}
     assert absolute(imports_at_load(tree)) == {"a", "c"}
+
+
+ONLY_FOR_TESTS = {"gwyfile", "gsffile", "pytest", "hypothesis"}
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=label)
+def test_only_bundled_libraries_are_used(path):
+    assert not absolute(imports(parse(path))) & ONLY_FOR_TESTS
 
 
 def test_there_are_sources_to_read():
