@@ -95,7 +95,7 @@ def shader_node(material: bpy.types.Material) -> bpy.types.Node | None:
 
 def table_path(material: bpy.types.Material) -> Path:
     """Absolute path of a material's table."""
-    return Path(bpy.path.abspath(material[TABLE_KEY], library=material.library))
+    return paths.absolute(material[TABLE_KEY], material.library)
 
 
 def atlas_image(path: Path) -> bpy.types.Image:
@@ -105,7 +105,7 @@ def atlas_image(path: Path) -> bpy.types.Image:
     packers, and the fake user keeps it.
     """
     for image in bpy.data.images:
-        if image.library is None and Path(bpy.path.abspath(image.filepath)) == path:
+        if image.library is None and paths.absolute(image.filepath) == path:
             if image.packed_file is not None:
                 image.unpack(method="REMOVE")  # a packed image would reload its old self
             image.reload()
@@ -152,7 +152,7 @@ def apply(
     TableError
         If the table is missing or of another version.
     """
-    path = Path(bpy.path.abspath(str(table))).with_suffix(".exr")
+    path = paths.absolute(str(table)).with_suffix(".exr")
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")

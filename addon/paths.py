@@ -28,9 +28,9 @@ def _user_folder(name: str) -> Path:
     return Path(bpy.utils.user_resource("DATAFILES", path=os.path.join("diffraction_shader", name)))
 
 
-def absolute(path: str) -> Path:
-    """Absolute path of one that may begin with ``//``."""
-    return Path(bpy.path.abspath(path))
+def absolute(path: str, library: bpy.types.Library | None = None) -> Path:
+    """Absolute path, without ``..``, of one that may begin with ``//`` (of a linked data-block: of its library)."""
+    return Path(os.path.normpath(bpy.path.abspath(path, library=library)))
 
 
 def relative(path: Path) -> str:

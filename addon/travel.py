@@ -4,6 +4,9 @@
 OSL reads its images by a name in a socket, and Blender's path tools know nothing of sockets. They do know images.
 So a material points to the images of its table; whatever Blender does to those, the sockets follow. Packed images
 whose files are gone are written to a folder of the extension's own, because OSL cannot read a packed file.
+
+Sockets of linked materials follow too, in memory: Blender saves nothing of linked data, so a file that links an OSL
+material renders right only where the add-on is there. Materials of the kind Nodes have no such limit.
 """
 
 from __future__ import annotations
@@ -55,8 +58,8 @@ def home(material: bpy.types.Material) -> Path:
     """Where a material's table belongs, whether it is there or not."""
     atlas = material.get(ATLAS)
     if isinstance(atlas, bpy.types.Image):
-        return Path(bpy.path.abspath(atlas.filepath, library=atlas.library))
-    return Path(bpy.path.abspath(material[_TABLE], library=material.library))
+        return paths.absolute(atlas.filepath, atlas.library)
+    return paths.absolute(material[_TABLE], material.library)
 
 
 def is_packed(material: bpy.types.Material) -> bool:
@@ -75,7 +78,8 @@ def sync(material: bpy.types.Material, folder: Path | None = None) -> bool:
     folder
         Write paths as seen from here (the .blend is about to be saved there); None takes what can be read now.
     """
-    if not material.is_editable or material.node_tree is None:
+    linked = material.library is not None
+    if material.node_tree is None or (linked and folder is not None):
         return False
     node = material.node_tree.nodes.get("Diffraction")
     changed = False
@@ -84,11 +88,13 @@ def sync(material: bpy.types.Material, folder: Path | None = None) -> bool:
         if not isinstance(image, bpy.types.Image):
             continue
         place = _readable(image) if folder is None else _seen_from(image, folder)
+        if linked:  # Cycles takes a relative name in a socket for one beside the open file
+            place = str(paths.absolute(place, image.library))
         socket = node.inputs.get(name) if node is not None else None
         if socket is not None and socket.type == "STRING" and socket.default_value != place:
             socket.default_value = place
             changed = True
-        if key == ATLAS and material[_TABLE] != place:
+        if key == ATLAS and not linked and material[_TABLE] != place:
             material[_TABLE] = place
             changed = True
     return changed
@@ -140,7 +146,7 @@ def refresh(path: Path, scene: bpy.types.Scene, made: str) -> None:
 
 def _readable(image: bpy.types.Image) -> str:
     """A path that OSL can read now: the image's own, or that of an unpacked copy."""
-    if image.packed_file is None or paths.absolute(image.filepath).is_file():
+    if image.packed_file is None or paths.absolute(image.filepath, image.library).is_file():
         return image.filepath
     try:
         return str(_unpack(image))

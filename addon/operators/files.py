@@ -116,15 +116,12 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
                 f"How the table {place.name} of {user.name} was made is not known; import its scan and bake it."
             )
         source, reading = recipe.scan_of(made, place.parent)
-        settings = SimpleNamespace(**{**_defaults(), **made.get("settings", {})})
+        known = bpy.context.scene.diffraction.bl_rna.properties
+        defaults = {name: known[name].default for name in bake_settings.FIELDS}
+        settings = SimpleNamespace(**{**defaults, **made.get("settings", {})})
         # A path of another computer: the table moves beside this file.
         folder = place.parent if place.parent.is_dir() else paths.data_folder()
         return BakeJob(source, folder, place.stem, bake_settings.parameters(settings), reading)
-
-
-def _defaults() -> dict:
-    properties = bpy.types.DIFFRACTION_PG_scene.bl_rna.properties
-    return {name: properties[name].default for name in bake_settings.FIELDS}
 
 
 class DIFFRACTION_OT_find_files(bpy.types.Operator):
