@@ -61,7 +61,7 @@ def test_reading_imports_tells_load_from_call():
     assert absolute(imports_at_load(tree)) == {"a", "c"}
 
 
-ONLY_FOR_TESTS = {"gwyfile", "gsffile", "pytest", "hypothesis"}
+ONLY_FOR_TESTS = {"gwyfile", "gsffile", "meent", "pytest", "hypothesis"}
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=label)
