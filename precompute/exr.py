@@ -48,22 +48,38 @@ def write_image(path: str | Path, header: dict[str, Any], channels: dict[str, np
         raise OSError(str(error).rpartition('". ')[2].strip() or "the image cannot be written") from error
 
 
-def read_half_rgb(path: str | Path) -> np.ndarray:
-    """Read an RGB image as ``(height, width, 3)`` float16, row 0 at the bottom.
+#: Most bytes of pixels for one byte of file: what a header declares is checked before it is allocated.
+_MOST_COMPRESSION = 100
+
+
+def read_half_rgb(path: str | Path, width: int, height: int) -> np.ndarray:
+    """Read an RGB image of known size as ``(height, width, 3)`` float16, row 0 at the bottom.
 
     Raises
     ------
     TableError
-        If the file is no readable EXR with RGB channels.
+        If the file is no readable EXR with RGB channels, or of another size.
     """
     import OpenEXR
 
+    name = Path(path).name
     try:
+        with OpenEXR.File(os.fspath(path), header_only=True) as image:
+            low, high = (np.array(corner, np.int64) for corner in image.header()["dataWindow"])
+        if (high - low + 1).tolist() != [width, height]:
+            raise TableError(f"{name} has not the size that its sidecar names; bake the scan again.")
+        if 6 * width * height > _MOST_COMPRESSION * os.path.getsize(path):
+            raise TableError(f"{name} is damaged, it declares more pixels than it can hold; bake the scan again.")
         with OpenEXR.File(os.fspath(path)) as image:
             pixels = image.channels()["RGB"].pixels
+    except TableError:
+        raise
     except Exception as error:  # the library raises bare exceptions of several kinds
-        raise TableError(f"{Path(path).name} cannot be read as an RGB EXR image; bake the scan again.") from error
-    return np.ascontiguousarray(pixels[::-1], np.float16)
+        raise TableError(f"{name} cannot be read as an RGB EXR image; bake the scan again.") from error
+    if pixels.shape != (height, width, 3):
+        raise TableError(f"{name} is no RGB EXR image; bake the scan again.")
+    with np.errstate(over="ignore"):  # a damaged atlas of 32-bit floats; its hash will not match
+        return np.ascontiguousarray(pixels[::-1], np.float16)
 
 
 def read_text(path: str | Path) -> str:

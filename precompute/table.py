@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from .constants import TABLE_FORMAT_VERSION
 from .errors import TableError
 from .exr import read_half_rgb, read_text, write_half_rgb
 from .layout import TableLayout
+from .parameters import ILLUMINANTS
 
 
 @dataclass(eq=False)
@@ -170,11 +172,9 @@ class SpectralTable:
     @classmethod
     def _load(cls, path: Path, sidecar: dict[str, Any], verify: bool) -> SpectralTable:
         layout = TableLayout.from_dict(sidecar["layout"])
-        atlas = read_half_rgb(path)
+        atlas = read_half_rgb(path, layout.width, layout.height)
         if verify and _pixels_sha256(atlas) != sidecar["atlas"].get("sha256"):
             raise TableError(f"{path.name} is damaged or has another table's sidecar; bake the scan again.")
-        if atlas.shape != (layout.height, layout.width, 3):
-            raise TableError(f"{path.name} has not the size that its sidecar names; bake the scan again.")
         return cls(layout, atlas, {k: v for k, v in sidecar.items() if k not in ("format_version", "layout", "atlas")})
 
 
@@ -211,11 +211,16 @@ def _parse(text: str, name: str) -> dict[str, Any]:
     version = sidecar.get("format_version") if isinstance(sidecar, dict) else None
     if version != TABLE_FORMAT_VERSION:
         raise TableError(
-            f"{name} is a table of format version {version}, this release reads version {TABLE_FORMAT_VERSION};"
+            f"{name} is a table of format version {repr(version)[:20]}, this release reads version {TABLE_FORMAT_VERSION};"
             " bake the scan again."
         )
-    if not isinstance(sidecar.get("layout"), dict) or not isinstance(sidecar.get("atlas"), dict):
-        raise TableError(f"The table's sidecar {name} lacks its layout; bake the scan again.")
+    if not all(isinstance(sidecar.get(part), dict) for part in ("layout", "atlas", "parameters", "source", "colour")):
+        raise TableError(f"The table's sidecar {name} lacks one of its parts; bake the scan again.")
+    albedo, terms = sidecar.get("albedo_max"), sidecar.get("terms")
+    if not (isinstance(albedo, int | float) and 0.0 <= albedo < math.inf and isinstance(terms, int)):
+        raise TableError(f"The table's sidecar {name} holds impossible numbers; bake the scan again.")
+    if sidecar["colour"].get("illuminant") not in ILLUMINANTS:
+        raise TableError(f"The table's sidecar {name} names no known illuminant; bake the scan again.")
     return sidecar
 
 

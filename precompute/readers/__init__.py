@@ -229,17 +229,24 @@ class _Sentences:
             return
         if isinstance(error, DiffractionError):
             # The reader does not know the name; the user with ten files wants it.
-            raise type(error)(" ".join(f"{self._path.name}: {error}".split())) from error
+            raise type(error)(_printable(f"{self._path.name}: {error}")) from error
         if isinstance(error, ImportError):
             missing = error.name or "a library"
             raise ScanError(
                 f"{self._path.name}: this format needs the Python package '{missing}', which is not installed."
             ) from error
         if isinstance(error, OSError) and error.errno is not None:
-            raise ScanError(f"{self._path.name}: cannot be read ({error.strerror}).") from error
+            raise ScanError(_printable(f"{self._path.name}: cannot be read ({error.strerror}).")) from error
         raise ScanError(
-            f"{self._path.name}: the file is damaged or of an unknown variant ({_clause(error)}); export it again."
+            _printable(
+                f"{self._path.name}: the file is damaged or of an unknown variant ({_clause(error)}); export it again."
+            )
         ) from error
+
+
+def _printable(sentence: str) -> str:
+    """On one line and without the control characters that a damaged header may bring into a terminal."""
+    return " ".join("".join(letter if letter.isprintable() else " " for letter in sentence).split())
 
 
 def _clause(error: Exception) -> str:

@@ -82,7 +82,8 @@ def test_columns_keep_the_atlas_near_a_square():
 @pytest.fixture
 def stored(tmp_path):
     table, _ = smooth_table()
-    table = SpectralTable(table.layout, table.atlas.astype(np.float16), {"albedo_max": 0.9, "parameters": {}})
+    info = {"albedo_max": 0.9, "parameters": {}, "source": {}, "colour": {"illuminant": "D65"}, "terms": 1}
+    table = SpectralTable(table.layout, table.atlas.astype(np.float16), info)
     return table, table.save(tmp_path / "t.exr")
 
 
