@@ -93,20 +93,18 @@ def test_nodes_follow_new_lamps(blender, tmp_path):
 
 
 def test_eevee_is_close_to_cycles_for_a_sun(blender, tmp_path):
-    sphere = two_suns(tmp_path, suns=SUNS[:1], segments=128, rings=64)
-    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
+    """On a faceted ball, so that EEVEE's own place of its samples within a pixel does not matter."""
+    ball = two_suns(tmp_path, suns=SUNS[:1], segments=16, rings=8)
+    ball.data.shade_flat()
+    materials.diffracting(ball, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
     scene = blender.context.scene
-    by_cycles = scenes.render(48, samples=4)
+    by_cycles = scenes.render(96)
     scene.render.engine = "BLENDER_EEVEE"
-    scene.eevee.taa_render_samples = 16
-    scene.eevee.use_raytracing = False
-    scene.eevee.use_shadows = False
-    scene.render.filter_size = 0.01
-    by_eevee = scenes.render(48, samples=4)
-    hit, _, _, _, n = scenes.sphere_frames(sphere, 48)
-    cos_r = -n @ scenes.camera_rays(48)[1]
-    cos_i = n @ (np.array(SUNS[0]) / np.linalg.norm(SUNS[0]))
-    good = hit & (cos_r > 0.1) & (cos_i > 0.1) & (by_cycles.max(-1) > 0.02)
-    assert good.sum() > 500
-    assert by_eevee[good].sum(0) / by_cycles[good].sum(0) == pytest.approx((1, 1, 1), abs=0.02)
-    assert_images_agree(by_eevee, by_cycles, 0.03, where=good, name="eevee")
+    scene.eevee.taa_render_samples = 8
+    scene.eevee.use_raytracing = scene.eevee.use_shadows = False
+    by_eevee = scenes.render(96)
+    shifted = [np.roll(by_cycles, (i, j), (0, 1)) for i in range(-2, 3) for j in range(-2, 3)]
+    even = (np.ptp(shifted, axis=0).max(-1) < 0.02 * by_cycles.max(-1)) & (by_cycles.max(-1) > 0.02)
+    assert even.sum() > 300
+    assert len(np.unique(by_cycles[even].round(2), axis=0)) > 20  # many facets, many colours
+    assert_images_agree(by_eevee, by_cycles, 0.03, where=even, name="eevee")
