@@ -5,6 +5,6 @@ The module's name is the subcommand's, the first line of its docstring the help.
 ``run(args) -> dict`` (ready for JSON) and, where a plain listing of that dict does not do, ``describe(result) -> str``.
 """
 
-from . import bake, direct, eval, info, map, preset, sweep
+from . import bake, direct, eval, info, map, preset, reflectance, sweep
 
-COMMANDS = (info, bake, eval, direct, map, preset, sweep)
+COMMANDS = (info, bake, eval, direct, map, preset, reflectance, sweep)
