@@ -1,69 +1,93 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Periodic surface: copies of one patch, the thesis's factors p and q (eq. 3.33-3.48)."""
+"""`pq`: a periodic surface of N1 x N2 copies of the patch, lit coherently as a whole.
+
+The copies multiply |P|^2 of one period by ``sin^2(N a / 2) / sin^2(a / 2)``, ``a = k u T`` along x and the same with
+v along y (eq. 3.33-3.48 of the thesis with N + 1 written as N, the number of copies); the limit is N^2 at a = 2 pi m.
+Between the DFT bins of the period P is interpolated by the periodic sinc, which is exact: the patch is zero outside
+of one period and its transform is a trigonometric polynomial (eq. 3.49 has the sinc of the continuous case).
+"""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
-from ..errors import ParameterError
+from ..errors import ParameterError, ScanError
 from ..heightfield import HeightField
-from .amplitude import Amplitude
+from .bins import make_terms, series_facts, weights_matrix
+
+_BLOCK = 2048
 
 
-def array_factor(phase: np.ndarray, count: int) -> np.ndarray:
-    """``|sum_(n < count) exp(i n a)|^2 = sin^2(count a / 2) / sin^2(a / 2)``, the thesis's p^2 + q^2.
+def periodic_sinc(x: np.ndarray, count: int) -> np.ndarray:
+    """``sin(pi count x) / (count sin(pi x))`` without a division by zero; its modulus is 1 at whole x."""
+    whole = np.rint(x)
+    rest = x - whole
+    value = np.sinc(count * rest) / np.sinc(rest)
+    return np.where((whole * (count - 1)) % 2 == 0, value, -value)
 
-    Parameters
-    ----------
-    phase
-        a, radians.
-    count
-        Number of copies (the thesis's N + 1).
 
-    Returns
-    -------
-    ndarray
-        ``count^2`` at a = 2 pi m, by its limit.
-    """
-    # Sine ratios depend on the distance to the nearest peak only; near it the quotient is 0 / 0.
-    half = 0.5 * np.asarray(phase, float)
-    half = half - np.pi * np.rint(half / np.pi)
-    peak = np.abs(half) < 1e-7 / count
-    safe = np.where(peak, 1.0, half)
-    return np.where(peak, float(count) ** 2, (np.sin(count * safe) / np.sin(safe)) ** 2)
+def replica_factor(phase: np.ndarray, count: int) -> np.ndarray:
+    """``sin^2(count a / 2) / sin^2(a / 2)`` for phases a in radians; count^2 at multiples of 2 pi."""
+    return (count * periodic_sinc(np.asarray(phase, float) / (2.0 * np.pi), count)) ** 2
 
 
 class Periodic:
-    """``replicas`` copies of a patch that is one period.
-
-    ``|P|^2 = |P_patch|^2 F(k u T_x, N_x) F(k v T_y, N_y)`` with :func:`array_factor` F and P of the patch
-    alone between the bins by sinc interpolation (eq. 3.49).
+    """See the module.
 
     Parameters
     ----------
     field
-        A prepared patch, one period along x and y.
+        One period of the surface, prepared.
     replicas
-        Copies along x and y.
+        Copies along x and along y.
     series, tolerance
-        Series of p and the largest error it may leave.
+        As in `precompute.methods.windowed.Windowed`.
     """
 
-    def __init__(self, field: HeightField, replicas: tuple[int, int], series: str, tolerance: float) -> None:
-        if len(replicas) != 2 or any(int(n) != n or n < 1 for n in replicas):
-            raise ParameterError(f"The replicas are {replicas}; give two whole numbers of at least 1.")
+    def __init__(
+        self, field: HeightField, replicas: tuple[int, int], series: str = "chebyshev", tolerance: float = 1e-6
+    ) -> None:
         self.replicas = (int(replicas[0]), int(replicas[1]))
-        self._amplitude = Amplitude(field, np.ones(field.shape), series, tolerance)
-        self._period = field.size_m
-        self._count = float(field.heights.size) * self.replicas[0] * self.replicas[1]
-        self.terms = self._amplitude.terms
-        self.absolute_scale = self._count * field.dx * field.dy
+        if min(self.replicas) < 1:
+            raise ParameterError(f"{self.replicas[0]} x {self.replicas[1]} copies make no surface; give at least 1.")
+        if field.missing.any():
+            raise ScanError("The scan has missing heights; fill them before its BRDF is evaluated.")
+        self.field = field
+        rows, cols = field.shape
+        self.fy, self.fx = np.fft.fftfreq(rows, field.dy), np.fft.fftfreq(cols, field.dx)
+        self.series, self.terms = make_terms(field, series, tolerance, self.fy, self.fx)
+        #: The lit area, m^2.
+        self.norm_m2 = field.size_m[0] * field.size_m[1] * self.replicas[0] * self.replicas[1]
+        self.area_m2 = self.norm_m2
+        self.facts: dict[str, Any] = {**series_facts(self.series, series, tolerance), "replicas": list(self.replicas)}
 
-    def power(self, u: np.ndarray, v: np.ndarray, w: np.ndarray, wavelength_m: np.ndarray) -> np.ndarray:
-        """``|P|^2 / N^2``; see :class:`precompute.methods.Method`."""
-        u, v, w = (np.asarray(x, float) for x in (u, v, w))
-        k = 2.0 * np.pi / np.asarray(wavelength_m, float)
-        amplitude = self._amplitude(u / wavelength_m, v / wavelength_m, k * np.abs(w))
-        factor = array_factor(k * u * self._period[0], self.replicas[0])
-        factor = factor * array_factor(k * v * self._period[1], self.replicas[1])
-        return np.abs(amplitude) ** 2 * factor / self._count**2
+    def transform(self, u: np.ndarray, v: np.ndarray, w: np.ndarray, wavelength_m: float) -> np.ndarray:
+        """T_lambda in 1/sr for arrays (u, v, w) that broadcast."""
+        u, v, w = np.broadcast_arrays(*(np.asarray(a, float) for a in (u, v, w)))
+        k = 2.0 * np.pi / wavelength_m
+        tile = self.amplitude(u.ravel() / wavelength_m, v.ravel() / wavelength_m, k * np.abs(w).ravel())
+        power = np.abs(tile.reshape(u.shape)) ** 2
+        for component, side, count in zip((u, v), self.field.size_m, self.replicas, strict=True):
+            power = power * replica_factor(k * component * side, count)
+        return power / (self.norm_m2 * wavelength_m**2)
+
+    def amplitude(self, fx: np.ndarray, fy: np.ndarray, kappa: np.ndarray) -> np.ndarray:
+        """P of one period in m^2 at points ``(m,)`` in 1/m."""
+        rows, cols = self.field.shape
+        result = np.empty(fx.shape, complex)
+        terms = self.terms
+        along_line = fy.size > 1 and np.ptp(fy) == 0.0
+        if along_line:
+            terms = np.einsum("r,nrc->nc", periodic_sinc((fy[0] - self.fy) * self.field.dy, rows), terms)
+        for start in range(0, fx.size, _BLOCK):
+            part = slice(start, start + _BLOCK)
+            across = periodic_sinc((fx[part, None] - self.fx) * self.field.dx, cols)
+            if along_line:
+                value = terms @ across.T
+            else:
+                up = periodic_sinc((fy[part, None] - self.fy) * self.field.dy, rows)
+                value = np.stack([np.einsum("mr,mr->m", up, across @ term.T) for term in terms])
+            result[part] = (weights_matrix(self.series, kappa[part]) * value).sum(axis=0)
+        return result
