@@ -40,7 +40,7 @@ class HeightField:
     heights: np.ndarray
     dx: float
     dy: float
-    missing: np.ndarray | None = None
+    missing: np.ndarray = None  # type: ignore[assignment]  # None stands for a mask without any point
     metadata: dict[str, Any] = field(default_factory=dict)
     processing: tuple[dict[str, Any], ...] = ()
 

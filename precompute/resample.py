@@ -25,7 +25,8 @@ def refine_factors(field: HeightField, pixel_max_m: float = PIXEL_MAX_M) -> tupl
     if not (np.isfinite(pixel_max_m) and pixel_max_m > 0):
         raise ParameterError(f"The largest pixel of {pixel_max_m} m makes no sense; give a positive length.")
     # Rounding must not split a pixel of just the allowed size.
-    return tuple(max(1, math.ceil(step / pixel_max_m * (1.0 - 1e-9))) for step in (field.dx, field.dy))
+    fx, fy = (max(1, math.ceil(step / pixel_max_m * (1.0 - 1e-9))) for step in (field.dx, field.dy))
+    return fx, fy
 
 
 def refine(field: HeightField, pixel_max_m: float = PIXEL_MAX_M, limit_pixels: int = LIMIT_PIXELS) -> HeightField:

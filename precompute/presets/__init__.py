@@ -74,7 +74,9 @@ def make_preset(
         "description": preset.description,
         "source": preset.source,
     }
-    return HeightField(heights, dx, dy, None, metadata, ({"step": "preset", "name": name, "parameters": values},))
+    return HeightField(
+        heights, dx, dy, metadata=metadata, processing=({"step": "preset", "name": name, "parameters": values},)
+    )
 
 
 def _checked(preset: Preset, given: dict[str, Any]) -> dict[str, Any]:
@@ -95,21 +97,21 @@ def _value(parameter: Parameter, given: Any) -> float | int | bool:
         value = float(given)
     except (TypeError, ValueError):
         value = math.nan
-    if not parameter.minimum <= value <= parameter.maximum:
+    low = -math.inf if parameter.minimum is None else parameter.minimum
+    high = math.inf if parameter.maximum is None else parameter.maximum
+    if not low <= value <= high:
         unit = f" {parameter.unit}" if parameter.unit else ""
-        raise ParameterError(
-            f"{parameter.name} is {given}; give a number from {parameter.minimum:g} to {parameter.maximum:g}{unit}."
-        )
+        raise ParameterError(f"{parameter.name} is {given}; give a number from {low:g} to {high:g}{unit}.")
     return int(value) if isinstance(parameter.default, int) else value
 
 
 def _size(preset: Preset, size_m: float | tuple[float, float] | None) -> tuple[float, float]:
     if size_m is None:
         return preset.size_um * 1e-6, preset.size_um * 1e-6
-    sizes = tuple(float(side) for side in np.broadcast_to(np.asarray(size_m, float), 2))
-    if not all(math.isfinite(side) and side > 0 for side in sizes):
+    x, y = (float(side) for side in np.broadcast_to(np.asarray(size_m, float), 2))
+    if not all(math.isfinite(side) and side > 0 for side in (x, y)):
         raise ParameterError(f"The size {size_m} m makes no sense; give positive side lengths.")
-    return sizes
+    return x, y
 
 
 def _pixels(preset: Preset, size: tuple[float, float], pixels: int | None) -> tuple[int, int]:

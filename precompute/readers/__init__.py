@@ -14,6 +14,7 @@ import struct
 import warnings
 import zlib
 from pathlib import Path
+from types import TracebackType
 
 import numpy as np
 
@@ -223,7 +224,9 @@ class _Sentences:
         self._warnings.__enter__()
         warnings.simplefilter("ignore")
 
-    def __exit__(self, kind: type | None, error: BaseException | None, trace: object) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         self._warnings.__exit__(kind, error, trace)
         if error is None or not isinstance(error, Exception):
             return

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -35,7 +36,7 @@ def read_gsf(path: Path) -> list[Channel]:
         key, separator, value = line.partition("=")
         if separator:
             keys[key.strip()] = value.strip()
-    cols, rows = _number(keys, "XRes", int), _number(keys, "YRes", int)
+    cols, rows = _integer(keys, "XRes"), _integer(keys, "YRes")
     if cols is None or rows is None:
         raise ScanError("The .gsf header lacks XRes or YRes; export the scan again.")
     check_shape(rows, cols)
@@ -46,13 +47,13 @@ def read_gsf(path: Path) -> list[Channel]:
         raise ScanError(f"The .gsf file ends early: {actual} bytes of {expected}; copy or export it again.")
 
     lateral = metres_per(keys.get("XYUnits", "m"))
-    x, y = _number(keys, "XReal", float), _number(keys, "YReal", float)
+    x, y = _number(keys, "XReal"), _number(keys, "YReal")
     size_m = (x * lateral, y * lateral) if lateral is not None and x is not None and y is not None else None
     unit = keys.get("ZUnits") or None
 
     def load() -> Samples:
         values = np.fromfile(path, "<f4", rows * cols, offset=start).reshape(rows, cols)[::-1]
-        metadata = {key: value for key, value in keys.items() if key not in _OWN_KEYS}
+        metadata: dict[str, Any] = {key: value for key, value in keys.items() if key not in _OWN_KEYS}
         try:
             metadata["stored_processing"] = json.loads(metadata.pop("Processing", "[]"))
         except (ValueError, RecursionError):
@@ -62,10 +63,19 @@ def read_gsf(path: Path) -> list[Channel]:
     return [Channel(keys.get("Title") or "Height", unit, load)]
 
 
-def _number(keys: dict[str, str], key: str, kind: type[int] | type[float]) -> int | float | None:
+def _number(keys: dict[str, str], key: str) -> float | None:
     if key not in keys:
         return None
     try:
-        return kind(keys[key])
+        return float(keys[key])
     except ValueError:
         raise ScanError(f"The .gsf header says {key} = {keys[key][:40]}, which is no number.") from None
+
+
+def _integer(keys: dict[str, str], key: str) -> int | None:
+    value = _number(keys, key)
+    if value is None:
+        return None
+    if value != value or abs(value) > 2**53 or value != int(value):
+        raise ScanError(f"The .gsf header says {key} = {keys[key][:40]}, which is no whole number.")
+    return int(value)

@@ -13,6 +13,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,7 @@ def read_gwy(path: Path) -> list[Channel]:
         title = items.get(f"/{number}/data/title")
         mask = _field(items.get(f"/{number}/mask"))
         name = title if isinstance(title, str) and title.strip() else f"Channel {number}"
-        channels.append(Channel(name, _base_unit(field.get("si_unit_z")), lambda f=field, m=mask: _load(f, m)))
+        channels.append(Channel(name, _base_unit(field.get("si_unit_z")), partial(_load, field, mask)))
     return channels
 
 
@@ -59,15 +60,15 @@ def _field(item: Any) -> dict[str, Any] | None:
 
 def _load(field: dict[str, Any], mask: dict[str, Any] | None) -> Samples:
     values = _values(field)
-    sizes = field.get("xreal"), field.get("yreal")
-    known = all(isinstance(size, float) for size in sizes) and _base_unit(field.get("si_unit_xy")) == "m"
+    x, y = field.get("xreal"), field.get("yreal")
+    known = isinstance(x, float) and isinstance(y, float) and _base_unit(field.get("si_unit_xy")) == "m"
     missing = np.isnan(values)
     if mask is not None:
         marked = _values(mask)
         # A mask of all pixels marks nothing apart; it is a leftover of the session.
         if marked.shape == values.shape and not (marked >= 0.5).all():
             missing |= marked >= 0.5
-    return Samples(values, sizes if known else None, missing)
+    return Samples(values, (x, y) if known else None, missing)  # type: ignore[arg-type]
 
 
 def _values(field: dict[str, Any]) -> np.ndarray:

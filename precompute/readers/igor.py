@@ -7,6 +7,7 @@ note of ``key: value`` lines and the names of the channels (WaveMetrics, Technic
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +69,7 @@ def read_ibw(path: Path) -> list[Channel]:
         values = read_matrix(path, order + _TYPES[kind], rows, cols, _HEADER_BYTES + layer * rows * cols * item)
         return Samples(values, size_m, np.isnan(values), metadata=metadata)
 
-    return [Channel(name, _unit(name, unit, note), lambda layer=layer: load(layer)) for layer, name in enumerate(names)]
+    return [Channel(name, _unit(name, unit, note), partial(load, layer)) for layer, name in enumerate(names)]
 
 
 def _unit(name: str, wave_unit: str, note: dict[str, str]) -> str | None:

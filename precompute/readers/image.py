@@ -8,6 +8,7 @@ scale of the pixel type (255, 65535, or 1.0 for floats) stands for the height ra
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -85,7 +86,7 @@ def read_exr(path: Path) -> list[Channel]:
                 values = np.array(channels[name].pixels)
         return _samples(values)
 
-    return [Channel(name, None, lambda name=name: load(name)) for name in names]
+    return [Channel(name, None, partial(load, name)) for name in names]
 
 
 def _samples(values: np.ndarray) -> Samples:

@@ -9,7 +9,9 @@ calibrated values. Rows go from the bottom up unless the grid is reflected (0x80
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -39,9 +41,7 @@ def read_jpk(path: Path) -> list[Channel]:
             factor, offset, unit = _scaling(page.tags)
             if _value(page.tags, _RETRACE, 0):
                 name = f"{name} (retrace)"
-            channels.append(
-                Channel(str(name), unit, lambda i=index, f=factor, o=offset: _load(path, i, f, o, size_m, reflected))
-            )
+            channels.append(Channel(str(name), unit, partial(_load, path, index, factor, offset, size_m, reflected)))
     return channels
 
 
@@ -56,7 +56,7 @@ def _load(
     return Samples(values[::-1] if reflected else values, size_m, metadata={"instrument": "JPK", "fast_axis": "x"})
 
 
-def _scaling(tags: object) -> tuple[float, float, str | None]:
+def _scaling(tags: Any) -> tuple[float, float, str | None]:
     """Factor, offset and unit of the default slot."""
     wanted = _value(tags, _DEFAULT, "")
     for slot in range(min(int(_value(tags, _SLOTS, 0)), _MOST_SLOTS)):
@@ -73,12 +73,12 @@ def _scaling(tags: object) -> tuple[float, float, str | None]:
     return 1.0, 0.0, "counts"
 
 
-def _value(tags: object, code: int, default: object) -> object:
-    tag = tags.get(code)  # type: ignore[attr-defined]
+def _value(tags: Any, code: int, default: Any) -> Any:
+    tag = tags.get(code)
     return default if tag is None else tag.value
 
 
-def _number(tags: object, code: int) -> float:
+def _number(tags: Any, code: int) -> float:
     value = _value(tags, code, None)
     if not isinstance(value, (int, float)):
         raise ScanError(f"The JPK file lacks the number of tag {code:#x}; copy or export it again.")

@@ -8,6 +8,7 @@ scanned are NaN.
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +34,7 @@ def read_sxm(path: Path) -> list[Channel]:
     if len(pixels) < 2 or len(size) < 2:
         raise ScanError("The .sxm header gives no pixels or no size; copy or export it again.")
     cols, rows = (integer(value, "SCAN_PIXELS") for value in pixels[:2])
-    size_m = tuple(number(value, "SCAN_RANGE") for value in size[:2])
+    size_m = number(size[0], "SCAN_RANGE"), number(size[1], "SCAN_RANGE")
     if "FLOAT" not in tags.get("SCANIT_TYPE", "FLOAT") or "LSBFIRST" in tags.get("SCANIT_TYPE", ""):
         raise ScanError("The .sxm file stores another kind of numbers than big-endian floats; export it as .gsf.")
     downwards = tags.get("SCAN_DIR", "").strip().casefold() == "down"
@@ -45,7 +46,7 @@ def read_sxm(path: Path) -> list[Channel]:
     channels, offset = [], mark + len(_DATA_MARK)
     for name, unit, direction in _data_info(tags.get("DATA_INFO", "")):
         for backward in (False, True) if direction == "both" else (direction == "backward",):
-            load = lambda o=offset, b=backward: _load(path, o, rows, cols, size_m, downwards, b, metadata)  # noqa: E731
+            load = partial(_load, path, offset, rows, cols, size_m, downwards, backward, metadata)
             channels.append(Channel(f"{name} ({'backward' if backward else 'forward'})", unit, load))
             offset += 4 * rows * cols
     return channels
@@ -53,7 +54,8 @@ def read_sxm(path: Path) -> list[Channel]:
 
 def _tags(header: str) -> dict[str, str]:
     tags: dict[str, str] = {}
-    key, lines = "", []
+    key = ""
+    lines: list[str] = []
     for line in header.splitlines():
         line = line.strip("\r")
         if len(line) > 2 and line.startswith(":") and line.rstrip().endswith(":"):

@@ -131,8 +131,9 @@ def _scale(keys: dict[str, str], scan: dict[str, str], bytes_per_pixel: int) -> 
         pieces = sensitivity["hard"].split()
         factor = number(pieces[0] if pieces else None, match["soft"])
         unit, slash, per = " ".join(pieces[1:]).partition("/")
-        if slash and _volts(hard_unit) is not None and _volts(per) is not None:
-            return hard * _volts(hard_unit) / _volts(per) * factor, unit
+        stored, sensed = _volts(hard_unit), _volts(per)
+        if slash and stored is not None and sensed is not None:
+            return hard * stored / sensed * factor, unit
         if slash and per.strip() == hard_unit:
             return hard * factor, unit
         if not slash:

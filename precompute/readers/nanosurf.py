@@ -69,11 +69,11 @@ def _channel(path: Path, keys: dict[str, str], offset: int, metadata: dict) -> t
     signed = keys.get("SaveSign", "Signed") == "Signed"
     dtype = f"{order}{'i' if signed else 'u'}{bits // 8}"
     size = rows * cols * bits // 8
-    lateral = metres_per(keys.get("Dim0Unit")), metres_per(keys.get("Dim1Unit"))
-    if None in lateral or "Dim2Range" not in keys:  # a spectroscopy curve, not an image
+    per_x, per_y = metres_per(keys.get("Dim0Unit")), metres_per(keys.get("Dim1Unit"))
+    if per_x is None or per_y is None or "Dim2Range" not in keys:  # a spectroscopy curve, not an image
         return None, size
     span, low = number(keys["Dim2Range"], "Dim2Range"), number(keys.get("Dim2Min", 0), "Dim2Min")
-    size_m = tuple(number(keys.get(f"Dim{i}Range"), f"Dim{i}Range") * lateral[i] for i in (0, 1))
+    size_m = number(keys.get("Dim0Range"), "Dim0Range") * per_x, number(keys.get("Dim1Range"), "Dim1Range") * per_y
 
     def load() -> Samples:
         values = read_matrix(path, dtype, rows, cols, offset) * (span / 2.0**bits)

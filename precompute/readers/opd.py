@@ -8,6 +8,7 @@ millimetres, ``Aspect`` stretches y.
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -45,7 +46,7 @@ def read_opd(path: Path) -> list[Channel]:
     factor = wavelength / (number(numbers.get("Mult", 1), "Mult") or 1.0)
     step_x = number(numbers.get("Pixel_size"), "Pixel_size") * 1e-3
     step_y = step_x * number(numbers.get("Aspect", 1.0), "Aspect")
-    return [Channel(name, "m", lambda a=at: _load(path, a, factor, step_x, step_y)) for name, at in arrays]
+    return [Channel(name, "m", partial(_load, path, at, factor, step_x, step_y)) for name, at in arrays]
 
 
 def _scalar(path: Path, kind: int, size: int, at: int) -> float | None:

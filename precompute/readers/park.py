@@ -8,6 +8,7 @@ A value is ``gain * (scale * count + offset)`` in the header's unit.
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -66,8 +67,8 @@ def _size(layout: str) -> int:
     return struct.calcsize(layout)
 
 
-def _raw(tags: object, code: int) -> bytes:
-    tag = tags.get(code)  # type: ignore[attr-defined]
+def _raw(tags: Any, code: int) -> bytes:
+    tag = tags.get(code)
     if tag is None:
         raise ScanError("The Park file lacks its data or its header; copy or export it again.")
     value = tag.value

@@ -7,6 +7,7 @@ The value 1000001 marks a missing point.
 from __future__ import annotations
 
 import os
+from functools import partial
 from pathlib import Path
 
 from ..errors import ScanError
@@ -36,7 +37,7 @@ def read_plu(path: Path) -> list[Channel]:
         if at + 8 + 4 * rows * cols > end:
             raise ScanError("The .plu file ends early; copy or export it again.")
         name = "Height" if layers == 1 else f"Height layer {layer}"
-        load = lambda a=at + 8, r=rows, c=cols: _load(path, a, r, c, step_x, step_y, metadata)  # noqa: E731
+        load = partial(_load, path, at + 8, rows, cols, step_x, step_y, metadata)
         channels.append(Channel(name, "um", load))
         at += 8 + 4 * rows * cols + 8 + 3 * rows * cols * images
     return channels

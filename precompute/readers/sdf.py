@@ -58,11 +58,10 @@ def _ascii(path: Path) -> list[Channel]:
     check_shape(rows, cols)
 
     def load() -> Samples:
-        values = np.fromstring(parts[1].replace("BAD", "nan"), sep=" ")
-        if values.size != rows * cols:
-            raise ScanError(f"The .sdf file holds {values.size} values and declares {rows * cols}; export it again.")
-        values = values.reshape(rows, cols)
-        values = values[::-1] * dz
+        flat = np.fromstring(parts[1].replace("BAD", "nan"), sep=" ")
+        if flat.size != rows * cols:
+            raise ScanError(f"The .sdf file holds {flat.size} values and declares {rows * cols}; export it again.")
+        values = flat.reshape(rows, cols)[::-1] * dz
         metadata = {"instrument": keys.get("manufacid", "")}
         return Samples(values, (cols * dx, rows * dy), np.isnan(values), metadata=metadata)
 
