@@ -1,118 +1,161 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reflectance in the plane of incidence against the grating equation (thesis, chapter 4).
+"""Reflectance against the grating equation: response over (wavelength, view angle) in a plane of incidence.
 
-The response over (wavelength, view angle) has its peak where ``d (sin theta_i + sin theta_r) = m lambda``;
-read backwards, the peak of each wavelength estimates the period d.
+The light stands at theta_i in the plane of azimuth phi, the viewer in the same plane at theta_r (negative: on the
+other side of the normal). Order m of a grating of period d along that azimuth leaves where
+``sin(theta_i) + sin(theta_r) = m lambda / d``; read backwards, the peak of each wavelength estimates d.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from .brdf import geometry_factor, relative_factor
+from .directions import from_angles, uvw
 from .errors import ParameterError
-from .methods import Method, relative_response
+from .heightfield import HeightField
+from .methods import make_method
+from .methods.bins import Band
 
 
-@dataclass(frozen=True)
-class Reflectance:
-    """Response of a surface in the plane of incidence.
-
-    Parameters
-    ----------
-    wavelengths_m, views
-        ``(L,)`` metres and ``(V,)`` radians, negative on the mirror direction's side of the normal.
-    response
-        ``(L, V)`` relative BRDF (1 for a flat patch at normal incidence) without Fresnel.
-    peaks
-        ``(L,)`` view angle of the largest response of each wavelength, a point of the grid.
-    periods_m
-        ``(L,)`` ``m lambda / (sin theta_i + sin theta_r)`` at the peaks.
-    theta_i, order
-        Radians; the order m.
-    """
-
-    wavelengths_m: np.ndarray
-    views: np.ndarray
-    response: np.ndarray
-    peaks: np.ndarray
-    periods_m: np.ndarray
-    theta_i: float
-    order: int
-
-    @property
-    def mean_nm(self) -> float:
-        """Mean of the estimated period over the wavelengths."""
-        return float(self.periods_m.mean() * 1e9)
-
-    @property
-    def variance_nm2(self) -> float:
-        """Population variance of the estimated period over the wavelengths."""
-        return float((self.periods_m * 1e9).var())
-
-    def grating_angles(self, period_m: float) -> np.ndarray:
-        """``(L,)`` view angles of the grating equation for a period; NaN where the order does not exist."""
-        sine = self.order * self.wavelengths_m / period_m - np.sin(self.theta_i)
-        return np.arcsin(np.where(np.abs(sine) <= 1.0, sine, np.nan))
-
-
-def view_angles(start: float, stop: float, step: float) -> np.ndarray:
-    """Angles from ``start`` to ``stop`` by ``step``, both ends included (any unit).
-
-    Raises
-    ------
-    ParameterError
-        If the step does not lead from start to stop, or there are fewer than 2 or more than 200,000 angles.
-    """
-    count = (stop - start) / step if step else np.inf
-    if not (np.isfinite(count) and 1.0 <= count <= 200_000):
-        raise ParameterError(
-            f"From {start:g} to {stop:g} by {step:g} makes no series of angles; check the three numbers."
-        )
-    return start + step * np.arange(int(np.floor(count + 1e-9)) + 1)
-
-
-def reflectance(
-    method: Method,
-    theta_i: float,
-    views: np.ndarray,
-    wavelengths_m: np.ndarray,
-    azimuth: float = 0.0,
-    order: int = 1,
-) -> Reflectance:
-    """Response and estimated period.
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """What is measured.
 
     Parameters
     ----------
-    method
-        From :func:`precompute.methods.make_method`.
-    theta_i
-        Light's polar angle, radians.
-    views
-        ``(V,)`` view angles in the plane of incidence, radians, positive on the light's side.
+    theta_i, phi
+        Light's polar angle and the azimuth of the plane of incidence, radians.
+    theta_r
+        ``(V,)`` view angles in radians.
     wavelengths_m
-        ``(L,)`` metres.
-    azimuth
-        Of the plane of incidence from the scan's x axis, radians.
+        ``(L,)``.
     order
-        Diffraction order m that the estimate takes.
+        The order whose peak the views hold.
 
     Raises
     ------
     ParameterError
-        If an angle lies beyond the horizon, or the order is 0.
+        If light or viewer are not above the surface, or the order cannot leave towards the views.
     """
-    views, wavelengths_m = np.asarray(views, float), np.asarray(wavelengths_m, float)
-    if not abs(theta_i) < 0.5 * np.pi or not (np.abs(views) < 0.5 * np.pi).all():
-        raise ParameterError("Light and view angles must lie within 90 degrees of the normal.")
-    if order == 0:
-        raise ParameterError("Order 0 is the mirror direction for every period; choose another order.")
-    along = np.array([np.cos(azimuth), np.sin(azimuth)])
-    wi = np.array([*(np.sin(theta_i) * along), np.cos(theta_i)])
-    wr = np.concatenate([np.sin(views)[:, None] * along, np.cos(views)[:, None]], -1)
-    response = np.stack([relative_response(method, wi, wr, wavelength) for wavelength in wavelengths_m])
-    peaks = views[response.argmax(1)]
-    with np.errstate(divide="ignore"):
-        periods = np.abs(order) * wavelengths_m / np.abs(np.sin(theta_i) + np.sin(peaks))
-    return Reflectance(wavelengths_m, views, response, peaks, periods, float(theta_i), int(order))
+
+    theta_i: float
+    theta_r: np.ndarray
+    wavelengths_m: np.ndarray
+    phi: float = 0.0
+    order: int = 1
+
+    def __post_init__(self) -> None:
+        if not abs(self.theta_i) < np.pi / 2 or not (np.abs(self.theta_r) < np.pi / 2).all():
+            raise ParameterError("Light and viewer must stand above the surface; give angles between -90 and 90 deg.")
+        if len(self.theta_r) < 2 or len(self.wavelengths_m) < 2:
+            raise ParameterError("A reflectance plot needs at least two view angles and two wavelengths.")
+        if self.order == 0 or not isinstance(self.order, int):
+            raise ParameterError("The order must be a whole number other than 0: the mirror says nothing of the period.")
+        # sin(theta_i) + sin(theta_r) has the order's sign wherever that order leaves.
+        if (self.sines * np.sign(self.order) <= 0).any():
+            raise ParameterError(
+                "The views include the mirror direction or lie on its other side, where this order cannot leave;"
+                " change --from and --to, or the sign of --order."
+            )
+
+    @property
+    def sines(self) -> np.ndarray:
+        """``(V,)`` sin(theta_i) + sin(theta_r) = -u along the azimuth."""
+        return np.sin(self.theta_i) + np.sin(self.theta_r)
+
+    def directions(self) -> tuple[np.ndarray, np.ndarray]:
+        """``(3,)`` towards the light and ``(V, 3)`` towards the viewers."""
+        return from_angles(self.theta_i, self.phi), from_angles(self.theta_r, self.phi)
+
+    def band(self) -> Band:
+        """The part of the frequency plane that the plane of incidence asks for."""
+        ends = np.array([self.sines.min(), self.sines.max()])
+        inverse = 1.0 / np.array([self.wavelengths_m.min(), self.wavelengths_m.max()])
+        f = -np.outer(ends, inverse).ravel()
+        axes = (f * np.cos(self.phi), f * np.sin(self.phi))
+        return Band(*((float(a.min()), float(a.max())) for a in axes))
+
+
+def steps(first: float, last: float, step: float) -> np.ndarray:
+    """first, first + step ... up to and including last (as nearly as rounding allows)."""
+    if not step > 0 or not last > first or (last - first) / step > 1e6:
+        raise ParameterError(f"From {first:g} to {last:g} by {step:g} gives no usable grid; use a rising range.")
+    return first + step * np.arange(int(np.floor((last - first) / step + 1e-6)) + 1)
+
+
+def response(
+    field: HeightField,
+    plane: Plane,
+    method: str = "windowed",
+    normalisation: str = "relative",
+    progress: Callable[[str, float], None] | None = None,
+    **options: Any,
+) -> tuple[np.ndarray, dict[str, Any]]:
+    """BRDF over wavelengths and views.
+
+    Parameters
+    ----------
+    field
+        A prepared heightfield.
+    plane
+        Light, views, wavelengths.
+    method, options
+        See `precompute.methods.make_method`.
+    normalisation
+        ``relative`` (factor C of the thesis) or ``absolute`` (1/sr).
+    progress
+        Called with a text and the fraction that is done; an exception it raises ends the computation.
+
+    Returns
+    -------
+    values : ndarray
+        ``(L, V)``.
+    facts : dict
+        What the method cost.
+    """
+    made = make_method(method, field, band=plane.band(), **options)
+    wi, wr = plane.directions()
+    factor = geometry_factor(wi, wr)
+    u, v, w = uvw(wi, wr)
+    if abs(np.sin(plane.phi)) < 1e-12:
+        # Exactly one line of frequencies, which the methods sum faster.
+        v = np.zeros_like(v)
+    rows = []
+    for index, wavelength in enumerate(plane.wavelengths_m):
+        if progress is not None:
+            progress("reflectance", index / len(plane.wavelengths_m))
+        row = factor * made.transform(u, v, w, wavelength)
+        if normalisation == "relative":
+            row = row * relative_factor(wi, wr, wavelength, made.area_m2)
+        rows.append(row)
+    return np.array(rows), made.facts
+
+
+def estimated_periods(plane: Plane, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """View of the largest response of each wavelength, and the period it stands for.
+
+    Parameters
+    ----------
+    values
+        ``(L, V)`` response.
+
+    Returns
+    -------
+    theta_r : ndarray
+        ``(L,)`` radians, on the grid of views: no interpolation.
+    periods_m : ndarray
+        ``(L,)`` d = m lambda / (sin(theta_i) + sin(theta_r)).
+    """
+    peak = values.argmax(axis=1)
+    return plane.theta_r[peak], plane.order * plane.wavelengths_m / plane.sines[peak]
+
+
+def grating_curve(plane: Plane, period_m: float) -> np.ndarray:
+    """``(L,)`` views (radians) where the grating equation puts the order; NaN where it does not leave."""
+    sine = plane.order * plane.wavelengths_m / period_m - np.sin(plane.theta_i)
+    return np.where(np.abs(sine) <= 1, np.arcsin(np.clip(sine, -1, 1)), np.nan)
