@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+from mathutils import Matrix, Vector
 
 from .osl import LAMP_KINDS, LAMPS_MAX
 
@@ -81,10 +82,49 @@ def _shows(lamp: bpy.types.Object) -> bool:
     return animation.action is not None
 
 
-def lamp_objects(scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """The lamps that may light a render of the scene, in a stable order (by name, local before linked)."""
-    lamps = {ob for layer in scene.view_layers for ob in layer.objects if ob.type == "LIGHT" and _shows(ob)}
-    return sorted(lamps, key=lambda ob: (ob.library is not None, ob.name_full))
+class InstancedLamp:
+    """A lamp within a collection that an empty shows (often one linked from a library); used like an object.
+
+    Parameters
+    ----------
+    lamp
+        The object in the collection.
+    instancer
+        The empty.
+    """
+
+    def __init__(self, lamp: bpy.types.Object, instancer: bpy.types.Object) -> None:
+        self.lamp, self.instancer = lamp, instancer
+        self.data, self.library = lamp.data, lamp.library
+        self.name, self.name_full = f"{instancer.name}: {lamp.name}", f"{instancer.name_full}: {lamp.name_full}"
+
+    def as_pointer(self) -> tuple[int, int]:
+        """Identity."""
+        return self.lamp.as_pointer(), self.instancer.as_pointer()
+
+    @property
+    def matrix_world(self) -> Matrix:
+        """Where the instance stands."""
+        offset = Matrix.Translation(-Vector(self.instancer.instance_collection.instance_offset))
+        return self.instancer.matrix_world @ offset @ self.lamp.matrix_world
+
+    def evaluated_get(self, depsgraph: bpy.types.Depsgraph) -> InstancedLamp:
+        """The same at the depsgraph's frame."""
+        return InstancedLamp(self.lamp.evaluated_get(depsgraph), self.instancer.evaluated_get(depsgraph))
+
+
+def lamp_objects(scene: bpy.types.Scene) -> list[bpy.types.Object | InstancedLamp]:
+    """The lamps that may light a render of the scene, in a stable order (by name, local before linked).
+
+    Those in collections that empties show count too, one level deep.
+    """
+    objects = {ob for layer in scene.view_layers for ob in layer.objects if _shows(ob)}
+    lamps = [ob for ob in objects if ob.type == "LIGHT"]
+    for ob in objects:
+        if ob.instance_type == "COLLECTION" and ob.instance_collection is not None:
+            inside = ob.instance_collection.all_objects
+            lamps += [InstancedLamp(lamp, ob) for lamp in inside if lamp.type == "LIGHT" and _shows(lamp)]
+    return sorted(lamps, key=lambda lamp: (lamp.library is not None, lamp.name_full))
 
 
 def scene_lamps(depsgraph: bpy.types.Depsgraph) -> list[Lamp]:
@@ -132,11 +172,11 @@ def too_many(lamps: list[bpy.types.Object], limit: int = LAMPS_MAX) -> str:
     return f"{len(lamps)} lamps, but a material follows {limit}: {left_out} and further ones are not diffracted"
 
 
-def bind(node: bpy.types.Node, lamps: list[bpy.types.Object]) -> None:
+def bind(node: bpy.types.Node, lamps: list[bpy.types.Object | InstancedLamp]) -> None:
     """Make the lamp sockets of a shader node or group follow the lamps.
 
-    Drivers copy single values (type SUM, no expression), so that they run with scripts
-    switched off and without this add-on.
+    Drivers copy single values (type SUM, no expression) or use a simple expression, so that they run
+    with scripts switched off and without this add-on.
 
     Parameters
     ----------
@@ -162,16 +202,41 @@ def bind(node: bpy.types.Node, lamps: list[bpy.types.Object]) -> None:
             columns |= {"AxisU": 0, "AxisV": 1}
         for name, column in columns.items():
             for axis in range(3):
-                _copy(node.inputs[prefix + name], axis, lamp, f"matrix_world[{column}][{axis}]")
+                _follow(node.inputs[prefix + name], axis, lamp, column)
         node.inputs[prefix + "Size"].default_value = (0.0, 0.0, 0.0)
         for axis, path in enumerate(_size_paths(lamp.data)):
             _copy(node.inputs[prefix + "Size"], axis, lamp.data, path)
 
 
+def _follow(socket: bpy.types.NodeSocket, axis: int, lamp: bpy.types.Object | InstancedLamp, column: int) -> None:
+    """One component of a column of a lamp's world matrix."""
+    if not isinstance(lamp, InstancedLamp):
+        _copy(socket, axis, lamp, f"matrix_world[{column}][{axis}]")
+        return
+    # A row of the empty's matrix times the column of the lamp's: an expression simple enough to run without Python.
+    driver = socket.driver_add("default_value", axis).driver
+    driver.type = "SCRIPTED"
+    offset = lamp.instancer.instance_collection.instance_offset if column == 3 else (0.0, 0.0, 0.0)
+    terms = []
+    for k, shift in enumerate(offset):
+        _variable(driver, lamp.instancer, f"matrix_world[{k}][{axis}]", f"e{k}")
+        _variable(driver, lamp.lamp, f"matrix_world[{column}][{k}]", f"m{k}")
+        terms.append(f"e{k}*(m{k}-({shift:.7g}))")
+    if column == 3:
+        _variable(driver, lamp.instancer, f"matrix_world[3][{axis}]", "e3")
+        terms.append("e3")
+    driver.expression = "+".join(terms)
+
+
 def _copy(socket: bpy.types.NodeSocket, index: int, owner: bpy.types.ID, path: str) -> None:
     driver = socket.driver_add("default_value", index).driver
     driver.type = "SUM"
+    _variable(driver, owner, path, "value")
+
+
+def _variable(driver: bpy.types.Driver, owner: bpy.types.ID, path: str, name: str) -> None:
     variable = driver.variables.new()
+    variable.name = name
     variable.type = "SINGLE_PROP"
     target = variable.targets[0]
     if isinstance(owner, bpy.types.Light):

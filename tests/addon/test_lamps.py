@@ -176,3 +176,38 @@ def test_settings_are_remembered_and_given_back(blender, tmp_path):
     setup.restore_scene(scene)
     assert not scene.cycles.shading_system
     assert lamp.data.cycles.use_multiple_importance_sampling
+
+
+def test_lamp_in_a_linked_collection_that_an_empty_shows(blender, tmp_path):
+    """Linked from a library, shown by a turned and animated empty: the picture of a plain lamp."""
+    lamp = add_lamp("POINT", (0.5, 0.2, 1.0), shadow_soft_size=0.0)
+    collection = bpy.data.collections.new("rig")
+    collection.instance_offset = (0.1, 0.2, 0.3)
+    collection.objects.link(lamp)
+    bpy.context.scene.collection.objects.unlink(lamp)
+    bpy.data.libraries.write(str(tmp_path / "rig.blend"), {collection})
+    bpy.data.objects.remove(lamp)
+    bpy.data.collections.remove(collection)
+    with bpy.data.libraries.load(str(tmp_path / "rig.blend"), link=True) as (_, wanted):
+        wanted.collections = ["rig"]
+    empty = bpy.data.objects.new("shows", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", wanted.collections[0]
+    bpy.context.scene.collection.objects.link(empty)
+    for frame, angle in ((1, 0.0), (11, 1.2)):
+        empty.rotation_euler = (0.1, -0.2, angle)
+        empty.keyframe_insert("rotation_euler", frame=frame)
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    plane = scenes.add_plane()
+    scenes.add_camera(extent=1.8)
+    made = materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE", environment=0)
+    bpy.context.scene.frame_set(11)
+    instanced = scenes.render(24)
+    place = Vector(made.node_tree.nodes["Diffraction"].inputs["Lamp1Place"].default_value)
+    expected = empty.matrix_world @ (Vector((0.5, 0.2, 1.0)) - Vector((0.1, 0.2, 0.3)))
+    assert tuple(place) == pytest.approx(tuple(expected), abs=1e-5)
+    bpy.data.objects.remove(empty)
+    add_lamp("POINT", tuple(expected), shadow_soft_size=0.0)
+    materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE", environment=0)
+    plain = scenes.render(24)
+    assert plain.max() > 0.1
+    assert instanced == pytest.approx(plain, rel=1e-3, abs=1e-5)
