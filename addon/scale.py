@@ -59,6 +59,6 @@ def warnings(
 def length(metres: float) -> str:
     """A length as people say it."""
     for factor, unit in ((1.0, "m"), (1e-3, "mm"), (1e-6, "um")):
-        if metres >= factor:
+        if metres >= 0.9995 * factor:
             return f"{metres / factor:.3g} {unit}"
     return f"{metres * 1e9:.3g} nm"

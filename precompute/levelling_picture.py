@@ -85,7 +85,7 @@ def _spectrum(axis, field: HeightField) -> None:
     reach = min(reach, np.abs(fx).max() * 1e-6, np.abs(fy).max() * 1e-6)
     half = 0.5 * (fx[1] - fx[0]) * 1e-6, 0.5 * (fy[1] - fy[0]) * 1e-6
     extent = (1e-6 * fx[0] - half[0], 1e-6 * fx[-1] + half[0], 1e-6 * fy[0] - half[1], 1e-6 * fy[-1] + half[1])
-    axis.imshow(level, origin="lower", extent=extent, cmap="inferno", interpolation="nearest", aspect="auto")
+    axis.imshow(level, origin="lower", extent=extent, cmap="inferno", interpolation="nearest")
     axis.set_xlim(-reach, reach)
     axis.set_ylim(-reach, reach)
     for vector, spacing in zip(found, lattice.spacings_m, strict=True):

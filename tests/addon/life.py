@@ -95,6 +95,7 @@ def states():
 def make_project(path, implementation="OSL"):
     """A .blend with a baked grating on a plane under a sun, all in the collection `show`."""
     import bpy
+
     from tests.addon import scenes
 
     scene = bpy.context.scene
@@ -144,6 +145,7 @@ def save_elsewhere(path, target, copy=False):
 def append_to(path, target):
     """Append the collection into a new file in another folder, render and save it."""
     import bpy
+
     from tests.addon import scenes
 
     bpy.context.scene.render.engine = "CYCLES"
@@ -160,6 +162,7 @@ def append_to(path, target):
 def link_to(path, target):
     """Link the collection into a new file in another folder, render and save it."""
     import bpy
+
     from tests.addon import scenes
 
     scene = bpy.context.scene
@@ -229,6 +232,7 @@ def rebake(path, scope="BROKEN", forget_origin=False):
 def undo(path):
     """Bake with other settings, give another object a material, and take both back."""
     import bpy
+
     from tests.addon import scenes
 
     open_file(path)
@@ -261,6 +265,7 @@ def undo(path):
 def collect(path, target):
     """Bake in a file that is not saved, save it, collect."""
     import bpy
+
     from tests.addon import scenes
 
     bpy.ops.diffraction.make_preset(preset="sinusoid", size_um=10)
