@@ -5,14 +5,18 @@ from __future__ import annotations
 
 import os
 import secrets
+import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import OutputError
 
 #: How the names of temporary files begin; one is left behind where a process is killed.
 TEMPORARY = ".tmp-"
+
+#: Such a file goes after this time (seconds); no write takes as long.
+STALE_AFTER = 3600.0
 
 
 @contextmanager
@@ -63,6 +67,14 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
             raise _cannot_write(target, error) from error
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def remove_stale(folder: str | os.PathLike[str]) -> None:
+    """Remove temporary files that killed processes left in a folder long ago."""
+    for path in Path(folder).glob(f"{TEMPORARY}*"):
+        with suppress(OSError):  # removed meanwhile, or not ours to remove
+            if path.is_file() and time.time() - path.stat().st_mtime > STALE_AFTER:
+                path.unlink()
 
 
 def _cannot_write(target: Path, error: OSError) -> OutputError:

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from .albedo import albedo_map
+from .atomic import remove_stale
 from .balance import balance
 from .cache import TableCache, origin, table_key
 from .colour import spectral_weights, white_xyz
@@ -160,6 +161,7 @@ def bake_file(
     stages.report("read", 0.0)
     scan = read_scan(path, **reading)
     folder = ensure_folder(out_dir)
+    remove_stale(folder)
     stages.done("read")
     table, found = _cached_bake(scan, parameters, stages, cache)
     stages.report("write", 0.97)

@@ -14,22 +14,18 @@ import hashlib
 import json
 import os
 import struct
-import time
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .atomic import TEMPORARY
+from .atomic import remove_stale
 from .constants import BAKE_VERSION, CACHE_LIMIT_BYTES, TABLE_FORMAT_VERSION
 from .errors import OutputError, ParameterError, TableError
 from .heightfield import HeightField
 from .output_folder import ensure_folder
 from .parameters import BakeParameters
 from .table import SpectralTable
-
-#: Temporary files of processes that were killed go after this time (seconds); no write takes as long.
-_STALE_AFTER = 3600.0
 
 
 def table_key(scan: HeightField, parameters: BakeParameters) -> str:
@@ -130,12 +126,7 @@ class TableCache:
                 break
             _remove(path)
             total -= size
-        for path in self.folder.glob(f"{TEMPORARY}*"):
-            try:
-                if time.time() - path.stat().st_mtime > _STALE_AFTER:
-                    _remove(path)
-            except OSError:
-                continue
+        remove_stale(self.folder)
 
     def clear(self) -> None:
         """Remove all entries."""

@@ -211,8 +211,8 @@ def _parse(text: str, name: str) -> dict[str, Any]:
     version = sidecar.get("format_version") if isinstance(sidecar, dict) else None
     if version != TABLE_FORMAT_VERSION:
         raise TableError(
-            f"{name} is a table of format version {repr(version)[:20]}, this release reads version {TABLE_FORMAT_VERSION};"
-            " bake the scan again."
+            f"{name} is a table of format version {repr(version)[:20]}, this release reads version"
+            f" {TABLE_FORMAT_VERSION}; bake the scan again."
         )
     if not all(isinstance(sidecar.get(part), dict) for part in ("layout", "atlas", "parameters", "source", "colour")):
         raise TableError(f"The table's sidecar {name} lacks one of its parts; bake the scan again.")

@@ -13,6 +13,7 @@ import pytest
 
 from precompute.bake import bake_file
 from precompute.cache import TableCache, table_key
+from precompute.cli import main
 from precompute.errors import OutputError, ParameterError
 from precompute.gsf import write_gsf
 from precompute.heightfield import HeightField
@@ -214,22 +215,26 @@ print(hits)
     assert not list(tmp_path.glob(".tmp-*"))
 
 
-def test_command_line(tmp_path, scan):
-    def bake(out, *options, **environment):
-        arguments = [sys.executable, "-m", "precompute", "bake", scan, "--out", tmp_path / out, "--sigma-s-um", "0.5"]
-        done = subprocess.run(
-            [*arguments, "--detail", "0.5", "--json", *options],
-            cwd=ROOT,
-            env={**os.environ, **environment},
-            capture_output=True,
-            text=True,
-            check=True,
-        )
-        return json.loads(done.stdout)["cache"]
+def test_command_line(tmp_path, scan, monkeypatch, capsys):
+    def bake(out, environment, *options):
+        monkeypatch.setenv("DIFFRACTION_CACHE_DIR", environment)
+        arguments = [
+            "bake",
+            str(scan),
+            "--out",
+            str(tmp_path / out),
+            "--sigma-s-um",
+            "0.5",
+            "--detail",
+            "0.5",
+            "--json",
+        ]
+        assert main([*arguments, *options]) == 0
+        return json.loads(capsys.readouterr().out)["cache"]
 
     folder = str(tmp_path / "cache")
-    assert bake("a", DIFFRACTION_CACHE_DIR="") == "none"
-    assert bake("b", "--cache", folder, DIFFRACTION_CACHE_DIR="") == "stored"
-    assert bake("c", DIFFRACTION_CACHE_DIR=folder) == "hit"
-    assert bake("d", "--cache", "none", DIFFRACTION_CACHE_DIR=folder) == "none"
+    assert bake("a", "") == "none"
+    assert bake("b", "", "--cache", folder) == "stored"
+    assert bake("c", folder) == "hit"
+    assert bake("d", folder, "--cache", "none") == "none"
     assert files(tmp_path / "a") == files(tmp_path / "b") == files(tmp_path / "c")
