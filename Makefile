@@ -12,7 +12,7 @@ export PYTHONDONTWRITEBYTECODE := 1
 help:
 	@echo "make setup      .venv with Blender as a module and the tools"
 	@echo "make demo       scan -> bake -> picture, written to out/ (SCAN=path takes your own)"
-	@echo "make test       all tests but the slow ones; make test-slow: all"
+	@echo "make test       all tests but the slow ones; make test-slow: those too; make test-thorough: hours of them"
 	@echo "make fuzz       hostile files, kill -9, full disks: what tests/trust holds, slow ones too"
 	@echo "make bench      times, memory and accuracy of a bake"
 	@echo "make lint       ruff check and format"
@@ -38,6 +38,9 @@ test: $(READY)
 	@$(PY) -m pytest -m "not slow" $(PYTEST_ARGS)
 
 test-slow: $(READY)
+	@$(PY) -m pytest -m "not thorough" $(PYTEST_ARGS)
+
+test-thorough: $(READY)
 	@$(PY) -m pytest $(PYTEST_ARGS)
 
 fuzz: $(READY)

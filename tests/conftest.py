@@ -20,6 +20,14 @@ os.environ["BLENDER_USER_RESOURCES"] = _user_resources
 atexit.register(shutil.rmtree, _user_resources, ignore_errors=True)
 
 
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """What is thorough is slow too."""
+    for item in items:
+        if item.get_closest_marker("thorough"):
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="session")
 def root_dir():
     """The checkout."""

@@ -74,7 +74,7 @@ def mutated(good, rng):
 
 
 @pytest.mark.parametrize("name", scan_files.WRITERS)
-@pytest.mark.parametrize("count", [60, pytest.param(10000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [60, pytest.param(10000, marks=pytest.mark.thorough)])
 def test_mutated_files(tmp_path, name, count):
     writer, extension, _ = scan_files.WRITERS[name]
     good, path, rng = writer(HEIGHTS, SIZE), tmp_path / f"scan{extension}", np.random.default_rng(1)
@@ -90,7 +90,7 @@ def test_mutated_files(tmp_path, name, count):
 
 
 @pytest.mark.parametrize("extension", [".png", ".tif", ".exr", ".jpg", ".bmp"])
-@pytest.mark.parametrize("count", [60, pytest.param(10000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("count", [60, pytest.param(10000, marks=pytest.mark.thorough)])
 def test_mutated_images(tmp_path, extension, count):
     good, path, rng = image(extension), tmp_path / f"scan{extension}", np.random.default_rng(2)
     outcomes, slowest = set(), 0.0

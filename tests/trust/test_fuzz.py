@@ -59,7 +59,7 @@ def test_a_few_hundred_cases_a_reader(folder):
         assert result["read"] and result["refused"], name
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", TARGETS)
 def test_ten_thousand_cases(folder, name):
     result = fuzz(10_000, folder, name, seed=2)[name]
@@ -67,7 +67,7 @@ def test_ten_thousand_cases(folder, name):
     assert result["read"] + result["refused"] >= 10_000
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 def test_real_files(scan_dir, folder):
     files = [path for path in sorted(scan_dir.iterdir()) if path.is_file() and path.suffix != ".md"]
     if not files:

@@ -46,7 +46,7 @@ def test_a_dozen_moments(tmp_path, kind):
     assert found["old"] + found["new"] == 12
 
 
-@pytest.mark.slow
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("kind", "points"), [("table", 200), ("import", 200), ("bake", 200), ("cache", 100), ("terms", 60)]
 )
