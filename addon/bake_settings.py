@@ -11,13 +11,13 @@ import bpy
 from ..precompute.parameters import BakeParameters
 from .numbers import decimal
 
+#: Those of the panel Levelling.
+LEVELLING = ("use_crop", "crop_um", "level", "align_rows", "clip_percent", "smooth_nm", "tile")
+
 #: Properties that decide a bake, on the scene and on the operator, in the order of the panel.
 FIELDS = (
-    "level", "clip_percent", "ensemble", "sigma_s_um", "detail", "illuminant", "series", "tolerance", "limit_mb",
+    *LEVELLING, "ensemble", "sigma_s_um", "detail", "illuminant", "series", "tolerance", "limit_mb",
 )  # fmt: skip
-
-#: Those of the panel Levelling.
-LEVELLING = ("level", "clip_percent")
 
 
 def parameters(owner: Any) -> BakeParameters:
@@ -42,22 +42,35 @@ def parameters(owner: Any) -> BakeParameters:
 
 def levelling(owner: Any) -> dict[str, Any]:
     """The core's parameters of `LEVELLING` alone."""
-    return {"level": owner.level, "clip_percent": decimal(owner.clip_percent) or None}
+    return {
+        "crop_m": tuple(decimal(x) * 1e-6 for x in owner.crop_um) if owner.use_crop else None,
+        "level": owner.level,
+        "align_rows": owner.align_rows,
+        "clip_percent": decimal(owner.clip_percent) or None,
+        "smooth_m": decimal(owner.smooth_nm) * 1e-9,
+        "tile": owner.tile,
+    }
 
 
 def copy(source: Any, target: Any, only_unset: bool = False) -> None:
     """Copy `FIELDS` from one owner to another, or only those that the target was not given."""
     for name in FIELDS:
         if not (only_unset and target.properties.is_property_set(name)):
-            value = getattr(source, name)
-            if getattr(target, name) != value:
+            value = _plain(getattr(source, name))
+            if _plain(getattr(target, name)) != value:
                 setattr(target, name, value)
 
 
 def remember(owner: Any) -> dict[str, Any]:
     """The values of `FIELDS`, for a recipe."""
-    values = {name: getattr(owner, name) for name in FIELDS}
-    return {name: decimal(value) if isinstance(value, float) else value for name, value in values.items()}
+    return {name: _plain(getattr(owner, name)) for name in FIELDS}
+
+
+def _plain(value: Any) -> Any:
+    """A property's value as JSON holds it, numbers as the user typed them."""
+    if isinstance(value, float):
+        return decimal(value)
+    return value if isinstance(value, (str, bool, int)) else [decimal(x) for x in value]
 
 
 def recall(values: dict[str, Any], owner: Any) -> None:

@@ -6,7 +6,15 @@ from __future__ import annotations
 import math
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
 from . import preset_properties
@@ -84,6 +92,54 @@ def level() -> EnumProperty:
     """Levelling."""
     return EnumProperty(
         name="Levelling", description="What to take out of the heights", items=LEVEL_ITEMS, default="poly2"
+    )
+
+
+def use_crop() -> BoolProperty:
+    """Whether only a rectangle is kept."""
+    return BoolProperty(name="Crop", description="Keep only a rectangle of the scan", default=False)
+
+
+def crop_um() -> FloatVectorProperty:
+    """The rectangle."""
+    return FloatVectorProperty(
+        name="Rectangle (um)",
+        description="Left, right, bottom and top in micrometres, counted from the left and the bottom",
+        size=4, default=(0.0, 10.0, 0.0, 10.0), min=0.0, precision=3,
+    )  # fmt: skip
+
+
+def align_rows() -> EnumProperty:
+    """Row alignment."""
+    return EnumProperty(
+        name="Align Rows",
+        description="Subtract the median of each scan line. Erases a structure that runs along the lines",
+        items=[
+            ("none", "Off", "Leave the lines as they are"),
+            ("x", "Along X", "Scan lines are rows (fast axis x)"),
+            ("y", "Along Y", "Scan lines are columns (fast axis y)"),
+        ],
+    )
+
+
+def smooth_nm() -> FloatProperty:
+    """Smoothing."""
+    return FloatProperty(
+        name="Smooth (nm)", description="Standard deviation of a Gaussian over the heights in nanometres; 0: none",
+        default=0.0, min=0.0, soft_max=500.0, precision=1,
+    )  # fmt: skip
+
+
+def tile() -> EnumProperty:
+    """Opposite edges."""
+    return EnumProperty(
+        name="Tileable",
+        description="Make opposite edges of the patch fit",
+        items=[
+            ("none", "Off", "Leave the edges as they are"),
+            ("blend", "Blend", "Fade a band at one edge into the other edge"),
+            ("period", "Whole Periods", "Crop to whole periods of the lattice that is found"),
+        ],
     )
 
 
@@ -199,7 +255,12 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     series: series()
     tolerance: tolerance()
     level: level()
+    use_crop: use_crop()
+    crop_um: crop_um()
+    align_rows: align_rows()
     clip_percent: clip_percent()
+    smooth_nm: smooth_nm()
+    tile: tile()
     detail: detail()
     illuminant: illuminant()
     limit_mb: limit_mb()

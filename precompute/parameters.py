@@ -13,6 +13,8 @@ from .errors import ParameterError
 ENSEMBLES = ("average", "single")
 SERIES = ("nodes", "chebyshev", "taylor")
 LEVELS = ("none", "plane", "poly2")
+ROW_AXES = ("none", "x", "y")
+TILINGS = ("none", "blend", "period")
 ILLUMINANTS = ("D65", "D50", "A", "E", "FL11")
 
 
@@ -36,6 +38,15 @@ class BakeParameters:
         ``none``, ``plane`` or ``poly2``.
     clip_percent
         Keeps the middle percent of heights (dust clip); None clips nothing.
+    crop_m
+        Rectangle that is kept: left, right, bottom and top in metres from the left and the bottom; None keeps all.
+    align_rows
+        Subtract each scan line's median along the fast axis ``x`` or ``y``; ``none`` by default, since it
+        erases a structure that runs along the lines.
+    smooth_m
+        Standard deviation of a Gaussian over the heights in metres; 0 smooths nothing.
+    tile
+        Make opposite edges fit by ``blend`` or by a crop to whole periods (``period``).
     illuminant
         Spectral distribution of the light, by name.
     detail
@@ -55,6 +66,10 @@ class BakeParameters:
     tolerance: float = 1e-4
     level: str = "none"
     clip_percent: float | None = None
+    crop_m: tuple[float, float, float, float] | None = None
+    align_rows: str = "none"
+    smooth_m: float = 0.0
+    tile: str = "none"
     illuminant: str = "D65"
     detail: float = 1.0
     limit_bytes: int = TABLE_LIMIT_BYTES
@@ -66,6 +81,8 @@ class BakeParameters:
             ("ensemble", self.ensemble, ENSEMBLES),
             ("series", self.series, SERIES),
             ("level", self.level, LEVELS),
+            ("axis of row alignment", self.align_rows, ROW_AXES),
+            ("tiling", self.tile, TILINGS),
             ("illuminant", self.illuminant, ILLUMINANTS),
         ):
             if value not in choices:
@@ -76,6 +93,15 @@ class BakeParameters:
             raise ParameterError(
                 f"Clip keeps {self.clip_percent} percent of the heights; give more than 0, at most 100."
             )
+        if self.crop_m is not None:
+            object.__setattr__(self, "crop_m", tuple(float(x) for x in self.crop_m))
+            left, right, bottom, top = self.crop_m if len(self.crop_m) == 4 else (0.0, 0.0, 0.0, 0.0)
+            if not (0.0 <= left < right < math.inf and 0.0 <= bottom < top < math.inf):
+                raise ParameterError(
+                    f"The crop {self.crop_m} m makes no sense; give left < right and bottom < top in metres."
+                )
+        if not (math.isfinite(self.smooth_m) and self.smooth_m >= 0.0):
+            raise ParameterError(f"Smoothing over {self.smooth_m} m makes no sense; give a length of 0 or more.")
         if not (math.isfinite(self.detail) and 0.1 <= self.detail <= 8.0):
             raise ParameterError(f"The detail is {self.detail}; it must lie between 0.1 and 8.")
         if self.limit_bytes <= 0:

@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a scan as it was read to the patch that is diffracted: level, fill, clip, refine."""
+"""From a scan as it was read to the patch that is diffracted: crop, level, align, fill, clip, smooth, tile, refine."""
 
 from __future__ import annotations
 
-from .clipping import clip
+from .clipping import clip, crop
 from .constants import PIXEL_MAX_M
 from .heightfield import HeightField
 from .levelling import level
 from .missing import fill_missing
 from .parameters import BakeParameters
 from .resample import refine
+from .row_alignment import align_rows
+from .smoothing import smooth
+from .tiling import make_tileable
 
 
 def prepare(field: HeightField, parameters: BakeParameters) -> HeightField:
@@ -20,7 +23,7 @@ def prepare(field: HeightField, parameters: BakeParameters) -> HeightField:
     field
         The scan as read.
     parameters
-        ``level`` and ``clip_percent`` are used.
+        ``crop_m``, ``level``, ``align_rows``, ``clip_percent``, ``smooth_m`` and ``tile`` are used.
 
     Returns
     -------
@@ -32,9 +35,19 @@ def prepare(field: HeightField, parameters: BakeParameters) -> HeightField:
     ------
     SizeLimitError
         If refining would make the patch too large.
+    ParameterError
+        If the crop leaves nothing, the smoothing is wider than the patch, or there is no period to crop to.
     """
+    if parameters.crop_m is not None:
+        left, right, bottom, top = parameters.crop_m
+        field = crop(field, (left, right), (bottom, top))
     field = level(field, parameters.level)
+    if parameters.align_rows != "none":
+        field = align_rows(field, parameters.align_rows)
     field = fill_missing(field)
     if parameters.clip_percent is not None:
         field = clip(field, parameters.clip_percent)
+    field = smooth(field, parameters.smooth_m)
+    if parameters.tile != "none":
+        field = make_tileable(field, parameters.tile)
     return refine(field, PIXEL_MAX_M)

@@ -22,7 +22,12 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
     title = "Levelling"
 
     level: properties.level()
+    use_crop: properties.use_crop()
+    crop_um: properties.crop_um()
+    align_rows: properties.align_rows()
     clip_percent: properties.clip_percent()
+    smooth_nm: properties.smooth_nm()
+    tile: properties.tile()
 
     @classmethod
     def poll(cls, context):

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from .. import bake_settings, estimates, pictures, progress
+from .. import estimates, pictures, progress
 from ..operators.preview_levelling import IMAGE
 from .sidebar import Stage, note, split
 
@@ -20,8 +20,10 @@ class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None
-        for name in bake_settings.LEVELLING:
+        for name in ("level", "align_rows", "clip_percent", "smooth_nm", "tile", "use_crop"):
             column.prop(state, name)
+        if state.use_crop:
+            column.prop(state, "crop_um")
         layout.operator("diffraction.preview_levelling", icon="HIDE_OFF")
         icon = pictures.preview_icon(IMAGE)
         if icon:

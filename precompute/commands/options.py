@@ -14,7 +14,7 @@ import numpy as np
 from ..constants import CACHE_LIMIT_BYTES
 from ..directions import from_angles
 from ..heightfield import HeightField
-from ..parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES, BakeParameters
+from ..parameters import ENSEMBLES, ILLUMINANTS, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
 
 if TYPE_CHECKING:
     from ..cache import TableCache
@@ -74,12 +74,22 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
     parser.add_argument("--tolerance", type=number, metavar="E", default=default.tolerance, **many)
     parser.add_argument("--level", choices=LEVELS, default=default.level, **many)
     parser.add_argument("--clip", type=number, metavar="P", help="keep the middle P percent of heights", **many)
+    parser.add_argument(
+        "--align-rows", choices=ROW_AXES, default=default.align_rows, help="subtract the lines' medians", **many
+    )
+    parser.add_argument("--smooth-nm", type=number, metavar="S", default=0.0, help="smooth the heights", **many)
+    if not several:
+        parser.add_argument(
+            "--crop-um", nargs=4, type=number, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"), help="keep this rectangle"
+        )
+    parser.add_argument("--tile", choices=TILINGS, default=default.tile, help="make opposite edges fit", **many)
     parser.add_argument("--illuminant", choices=ILLUMINANTS, default=default.illuminant, **many)
 
 
 def bake_parameters(args: argparse.Namespace, **more: object) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
-    return BakeParameters(**{name: _si(args, key, factor) for name, key, factor in _FIELDS}, **more)
+    crop = None if args.crop_um is None else tuple(x * 1e-6 for x in args.crop_um)
+    return BakeParameters(**{name: _si(args, key, factor) for name, key, factor in _FIELDS}, crop_m=crop, **more)
 
 
 def parameter_values(args: argparse.Namespace) -> dict[str, list[Any]]:
@@ -99,6 +109,9 @@ _FIELDS = (
     ("tolerance", "tolerance", 1.0),
     ("level", "level", None),
     ("clip_percent", "clip", 1.0),
+    ("align_rows", "align_rows", None),
+    ("smooth_m", "smooth_nm", 1e-9),
+    ("tile", "tile", None),
     ("illuminant", "illuminant", None),
 )
 

@@ -204,6 +204,38 @@ def test_baked_then_stale_then_baked_again(project):
     everything()
 
 
+def test_row_alignment_on_a_grating_along_the_lines_warns_in_the_panel(project):
+    """The grating's period runs along y once turned, so that each scan line along x is one of its lines."""
+    preset()
+    state = bpy.context.scene.diffraction
+    path = bpy.path.abspath(state.scan_path)
+    assert bpy.ops.diffraction.import_scan(filepath=path, turn="1") == {"FINISHED"}
+    from diffraction_shader.addon import estimates
+
+    state.align_rows = "y"
+    assert estimates.estimate(bpy.context.scene, wait=True).warnings == ()
+    state.align_rows = "x"
+    (warning,) = estimates.estimate(bpy.context.scene, wait=True).warnings
+    assert "removed a period of 2 um" in warning
+    assert "removed a period of 2 um" in words(shown("levelling"))
+    assert bpy.ops.diffraction.preview_levelling() == {"FINISHED"}  # told as a warning there too
+
+
+def test_crop_smooth_and_tile_reach_the_core(project):
+    from diffraction_shader.addon import bake_settings
+
+    state = preset()
+    state.use_crop, state.crop_um = True, (1.0, 6.0, 2.0, 7.5)
+    state.smooth_nm, state.tile, state.clip_percent = 25.0, "blend", 99.9
+    chosen = bake_settings.parameters(state)
+    assert chosen.crop_m == pytest.approx((1e-6, 6e-6, 2e-6, 7.5e-6), rel=1e-12)
+    assert (chosen.smooth_m, chosen.tile, chosen.clip_percent) == (pytest.approx(25e-9), "blend", 99.9)
+    state.crop_um = (6.0, 1.0, 2.0, 7.0)
+    assert "left < right" in words(shown("bake"))
+    with pytest.raises(RuntimeError, match="left < right"):
+        bpy.ops.diffraction.bake()
+
+
 def test_another_scan_of_the_same_name_does_not_take_the_place_of_a_baked_one(project):
     state = preset(amplitude_nm=40)
     (project / "diffraction" / "sinusoid.exr").write_bytes(b"a table")
