@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 
@@ -35,13 +37,32 @@ def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = 
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     image.pack()  # it has no file: without this a saved .blend would forget it
+    _into_editor(context, image)
+    return image
+
+
+def show_file(context: bpy.types.Context, name: str, path: Path) -> bpy.types.Image:
+    """The same for a picture in a file, which is removed."""
+    old = bpy.data.images.get(name)
+    image = bpy.data.images.load(str(path), check_existing=False)
+    image.pack()
+    if old is not None:
+        old.user_remap(image)
+        bpy.data.images.remove(old)
+    image.name = name
+    image.filepath = ""
+    path.unlink(missing_ok=True)
+    _into_editor(context, image)
+    return image
+
+
+def _into_editor(context: bpy.types.Context, image: bpy.types.Image) -> None:
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "IMAGE_EDITOR":
                 area.spaces.active.image = image
                 area.tag_redraw()
-                return image
-    return image
+                return
 
 
 def preview_icon(name: str) -> int:

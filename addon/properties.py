@@ -214,6 +214,19 @@ def map_size() -> IntProperty:
     return IntProperty(name="Pixels", description="Pixels along a side of the map", default=512, min=16, max=4096)
 
 
+def plot_theta() -> FloatProperty:
+    """Light of the reflectance plot."""
+    return FloatProperty(
+        name="Light", description="Angle between the light and the normal, in the plane of the scan's main period",
+        subtype="ANGLE", default=0.0, min=math.radians(-85.0), max=math.radians(85.0),
+    )  # fmt: skip
+
+
+def plot_order() -> IntProperty:
+    """Order of the reflectance plot."""
+    return IntProperty(name="Order", description="Diffraction order in view; not 0", default=1, min=-8, max=8)
+
+
 def map_linear() -> BoolProperty:
     """Numbers or a picture."""
     return BoolProperty(
@@ -301,6 +314,9 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     map_phi: map_phi()
     map_size: map_size()
     map_linear: map_linear()
+    plot_theta: plot_theta()
+    plot_order: plot_order()
+    plot_result: StringProperty(description="What the last reflectance plot found")
     map_image: StringProperty(description="Name of the last map's image")
 
 

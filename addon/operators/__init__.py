@@ -9,11 +9,12 @@ from . import (
     import_scan,
     make_preset,
     preview_levelling,
+    reflectance,
     setting_presets,
 )
 
 _MODULES = (
-    import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, setting_presets,
+    import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

@@ -6,7 +6,8 @@ from __future__ import annotations
 import bpy
 
 from .. import pictures, progress
-from .sidebar import Stage, split
+from ..operators.reflectance import IMAGE
+from .sidebar import Sidebar, Stage, note, split
 
 
 class DIFFRACTION_PT_evaluate(Stage, bpy.types.Panel):
@@ -32,4 +33,26 @@ class DIFFRACTION_PT_evaluate(Stage, bpy.types.Panel):
             layout.template_icon(icon_value=icon, scale=11.0)
 
 
-CLASSES = (DIFFRACTION_PT_evaluate,)
+class DIFFRACTION_PT_reflectance(Sidebar, bpy.types.Panel):
+    """The scan against the grating equation"""
+
+    bl_label = "Reflectance"
+    bl_parent_id = "DIFFRACTION_PT_evaluate"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, state = split(self.layout), context.scene.diffraction
+        column = layout.column()
+        column.enabled = progress.running() is None
+        column.prop(state, "plot_theta")
+        column.prop(state, "plot_order")
+        button = layout.operator("diffraction.reflectance", icon="GRAPH")
+        button.theta, button.order = state.plot_theta, state.plot_order
+        icon = pictures.preview_icon(IMAGE)
+        if icon:
+            layout.template_icon(icon_value=icon, scale=11.0)
+        if state.plot_result:
+            note(layout, state.plot_result)
+
+
+CLASSES = (DIFFRACTION_PT_evaluate, DIFFRACTION_PT_reflectance)

@@ -427,6 +427,23 @@ def test_level_preview_and_map_become_images(project):
     assert not bpy.data.images["BRDF sinusoid"].is_float
 
 
+def test_reflectance_finds_the_period(project):
+    """A sine of 1.25 um; the first order leaves where the grating equation says."""
+    assert "Import a scan or use a preset" in refusal(bpy.ops.diffraction.reflectance)
+    assert bpy.ops.diffraction.make_preset(preset="sinusoid", size_um=25, period_um=1.25) == {"FINISHED"}
+    assert bpy.ops.diffraction.reflectance(theta=0.1) == {"FINISHED"}
+    state = bpy.context.scene.diffraction
+    found = float(re.search(r"colours ([0-9.]+) nm", state.plot_result).group(1))
+    assert found == pytest.approx(1250.0, rel=0.01)
+    assert bpy.data.images["Diffraction Reflectance"].packed_file is not None
+    assert "Period by the colours" in words(shown("reflectance"))
+    with pytest.raises(RuntimeError, match="does not leave"):
+        bpy.ops.diffraction.reflectance(theta=1.4, order=-4)
+    bpy.ops.diffraction.make_preset(preset="flat")
+    with pytest.raises(RuntimeError, match="no dominant period"):
+        bpy.ops.diffraction.reflectance()
+
+
 def test_kept_settings_come_back(project):
     state = preset()
     state.level, state.sigma_s_um = "plane", 3.5

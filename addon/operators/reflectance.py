@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hold the scan against the grating equation."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from .. import bake_settings, pictures, properties, scan_store
+from ..job import Job
+from ..numbers import decimal
+from .threaded import Threaded, busy
+
+#: Name of the image.
+IMAGE = "Diffraction Reflectance"
+
+#: Views, and wavelengths in metres.
+_VIEWS, _WAVELENGTHS = 600, np.arange(380, 781, 10) * 1e-9
+
+
+class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
+    """Plot the scan's response over wavelength and view against the grating equation, and estimate its period"""
+
+    bl_idname = "diffraction.reflectance"
+    bl_label = "Reflectance Plot"
+    bl_options = {"UNDO", "PRESET"}
+    title = "Reflectance"
+
+    theta: properties.plot_theta()
+    order: properties.plot_order()
+
+    @classmethod
+    def poll(cls, context):
+        if not context.scene.diffraction.scan_path:
+            cls.poll_message_set("Import a scan or use a preset first")
+            return False
+        return not busy(cls)
+
+    def prepare(self, context):
+        """Take the panel's values where the caller gave none."""
+        for name in ("theta", "order"):
+            if not self.properties.is_property_set(name):
+                setattr(self, name, getattr(context.scene.diffraction, f"plot_{name}"))
+
+    def jobs(self, context):
+        """Read, prepare, sum and draw, away from Blender."""
+        source, reading = scan_store.bake_source(context.scene)
+        chosen = bake_settings.parameters(context.scene.diffraction)
+        theta, order = decimal(self.theta), self.order
+        folder = Path(bpy.app.tempdir or tempfile.gettempdir())
+
+        def work(progress):
+            from ...precompute import reflectance
+            from ...precompute.errors import ParameterError
+            from ...precompute.lattice import find_lattice
+            from ...precompute.prepare import prepare
+            from ...precompute.readers import read_scan
+            from ...precompute.reflectance_plot import save_plot
+
+            progress("read", 0.0)
+            patch = prepare(read_scan(source, **reading), chosen)
+            lattice = find_lattice(patch)
+            if not len(lattice.frequencies):
+                raise ParameterError("The scan has no dominant period that the grating equation could be held against.")
+            period, vector = float(lattice.spacings_m[0]), lattice.frequencies[0]
+            plane = reflectance.Plane(
+                theta, views(period, theta, order), _WAVELENGTHS, math.atan2(vector[1], vector[0]), order
+            )
+            values, _ = reflectance.response(
+                patch, plane, progress=lambda text, done: progress(text, 0.1 + 0.8 * done), sigma_s_m=chosen.sigma_s_m
+            )
+            peaks, periods = reflectance.estimated_periods(plane, values)
+            progress("draw", 0.9)
+            path = save_plot(folder / "diffraction_reflectance.png", plane, values, peaks, period)
+            return path, float(periods.mean()), float(periods.std()), period
+
+        return [Job(work)]
+
+    def finished(self, context, results):
+        """The plot becomes an image."""
+        ((path, mean, spread, period),) = results
+        pictures.show_file(context, IMAGE, path)
+        text = f"Period by the colours {mean * 1e9:.1f} nm (spread {spread * 1e9:.1f} nm), by the heights "
+        context.scene.diffraction.plot_result = text + f"{period * 1e9:.1f} nm"
+        return context.scene.diffraction.plot_result
+
+
+def views(period_m: float, theta_i: float, order: int) -> np.ndarray:
+    """``(V,)`` view angles round those at which an order leaves, from violet to red.
+
+    Raises
+    ------
+    ParameterError
+        If the order does not leave for any of the wavelengths.
+    """
+    from ...precompute.errors import ParameterError
+
+    sines = np.sort(order * _WAVELENGTHS[[0, -1]] / period_m - math.sin(theta_i))
+    margin = 0.1 * (sines[1] - sines[0])
+    low, high = max(sines[0] - margin, -0.98), min(sines[1] + margin, 0.98)
+    if high - low < 0.5 * margin:
+        raise ParameterError(
+            f"Order {order} of a period of {period_m * 1e9:.0f} nm does not leave under this light; turn the light or"
+            " take another order."
+        )
+    return np.linspace(math.asin(low), math.asin(high), _VIEWS)
+
+
+CLASSES = (DIFFRACTION_OT_reflectance,)
