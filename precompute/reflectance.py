@@ -55,7 +55,7 @@ class Plane:
         if len(self.theta_r) < 2 or len(self.wavelengths_m) < 2:
             raise ParameterError("A reflectance plot needs at least two view angles and two wavelengths.")
         if self.order == 0 or not isinstance(self.order, int):
-            raise ParameterError("The order must be a whole number other than 0: the mirror says nothing of the period.")
+            raise ParameterError("The order must be a whole number other than 0; the mirror says nothing of a period.")
         # sin(theta_i) + sin(theta_r) has the order's sign wherever that order leaves.
         if (self.sines * np.sign(self.order) <= 0).any():
             raise ParameterError(

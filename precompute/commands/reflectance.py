@@ -29,6 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--method", choices=METHODS, default="windowed")
     parser.add_argument("--replicas", type=int, metavar="N", help="copies of the file along each axis (pq)")
     parser.add_argument("--normalisation", choices=("absolute", "relative"), default="relative")
+    parser.add_argument(
+        "--period-nm", type=number, metavar="D", help="period of the grating-equation curve in the plot"
+    )
     parser.add_argument("--out", metavar="PLOT", help="the plot: .png, .pdf or .svg")
     options.add_parameters(parser)
     # One window in the middle; with the thesis's methods the series is a choice of its own.
@@ -99,8 +102,18 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     }  # fmt: skip
     if args.out is not None:
         title = f"{args.method}, light at {args.theta_i:g} deg: d = {nm.mean():.2f} nm, variance {nm.var():.3g} nm2"
-        result["out"] = str(save_plot(args.out, plane, values, peaks, float(periods.mean()), title))
+        result["out"] = str(
+            save_plot(args.out, plane, values, peaks, _curve_period(args, phi, lattice, periods), title)
+        )
     return result
+
+
+def _curve_period(args: argparse.Namespace, phi: float, lattice: list[dict[str, float]], periods: np.ndarray) -> float:
+    """Period of the grating-equation curve in metres: the user's, the lattice's along phi, else the median estimate."""
+    if args.period_nm is not None:
+        return args.period_nm * 1e-9
+    along = [v["spacing_nm"] * 1e-9 for v in lattice if abs((v["phi_deg"] - phi + 90.0) % 180.0 - 90.0) < 2.0]
+    return along[0] if along else float(np.median(periods))
 
 
 def _lattice(patch) -> list[dict[str, float]]:
