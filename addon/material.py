@@ -315,6 +315,7 @@ def _connect(material: bpy.types.Material, node: bpy.types.Node, settings: Setti
         node.location = (0.0, 200.0)
         output.location = (340.0, 200.0)
         tree.links.new(pigment.outputs["BSDF"], node.inputs["Base"])
+    _take_over_normal(tree, node)
     _orient(tree, node, settings)
     tree.links.new(node.outputs["BSDF"], surface)
     for_eevee = tree.nodes.get(EEVEE_OUTPUT)
@@ -328,6 +329,15 @@ def _connect(material: bpy.types.Material, node: bpy.types.Node, settings: Setti
     elif for_eevee is not None:
         tree.nodes.remove(for_eevee)
         output.target = "ALL"
+
+
+def _take_over_normal(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
+    """Bump and normal maps of the pigment count for the diffraction too."""
+    if node.inputs["Normal"].links or not node.inputs["Base"].links:
+        return
+    normal = node.inputs["Base"].links[0].from_node.inputs.get("Normal")
+    if normal is not None and normal.links:
+        tree.links.new(normal.links[0].from_socket, node.inputs["Normal"])
 
 
 def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) -> None:

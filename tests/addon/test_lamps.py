@@ -211,3 +211,38 @@ def test_lamp_in_a_linked_collection_that_an_empty_shows(blender, tmp_path):
     plain = scenes.render(24)
     assert plain.max() > 0.1
     assert instanced == pytest.approx(plain, rel=1e-3, abs=1e-5)
+
+
+def test_light_linking_and_light_groups(blender, tmp_path):
+    """A lamp linked to nothing else leaves the material dark; lamps in groups come out in their own passes."""
+    import OpenEXR
+
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    plane = scenes.add_plane()
+    scenes.add_camera(extent=1.0)
+    key, fill = scenes.add_sun((0.1, 0, 1), name="key"), scenes.add_sun((0, 0.6, 0.8), name="fill")
+    materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE", environment=0)
+    layer = bpy.context.view_layer
+    for lamp in (key, fill):
+        layer.lightgroups.add(name=lamp.name)
+        lamp.lightgroup = lamp.name
+    together = scenes.render(8, samples=64).mean((0, 1))
+    settings = bpy.context.scene.render.image_settings
+    settings.media_type = "MULTI_LAYER_IMAGE"
+    settings.file_format = "OPEN_EXR_MULTILAYER"
+    bpy.context.scene.render.filepath = str(tmp_path / "groups.exr")
+    bpy.ops.render.render(write_still=True)
+    passes = {}
+    with OpenEXR.File(str(tmp_path / "groups.exr")) as file:
+        for part in file.parts:
+            for name, channel in part.channels.items():
+                if "Combined_" in name:
+                    passes[name.rpartition("_")[2]] = channel.pixels.mean((0, 1))[:3]
+    assert passes["key"] + passes["fill"] == pytest.approx(together, rel=1e-3)
+    assert min(passes["key"].max(), passes["fill"].max()) > 0.02
+    settings.media_type = "IMAGE"
+
+    other = bpy.data.collections.new("other")
+    fill.light_linking.receiver_collection = other
+    other.objects.link(scenes.add_plane("elsewhere", half=0.01))
+    assert scenes.render(8, samples=64).mean((0, 1)) == pytest.approx(passes["key"], rel=1e-3)

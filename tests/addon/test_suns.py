@@ -164,3 +164,34 @@ def test_sphere_with_the_table_of_the_snake_preset(blender, tmp_path):
     truth, good = expected(sphere, table, [direction], 96, reflectance=lambda wi, wr: radiance.schlick(1.55, wi, wr))
     assert good.sum() > 1000
     assert_images_agree(scenes.render(), truth, 0.01, where=good, name="snake")
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_normal_map_of_the_pigment_tilts_the_surface(blender, tmp_path, implementation):
+    """A tangent-space normal of (0.3, 0, 1) everywhere: the plane shines as one that is tilted by that much."""
+    from diffraction_shader.addon import lights, material
+
+    table = tables.make_table(tmp_path / "t.exr", tables.lobes)
+    plane = scenes.add_plane()
+    sun = np.array((0.4, -0.2, 0.9))
+    scenes.add_sun(sun)
+    scenes.add_camera((0.1, 0.2, 1.0), extent=0.2)
+    made = bpy.data.materials.new("painted")
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    nodes.clear()
+    shader, bump, output = (nodes.new(f"ShaderNode{n}") for n in ("BsdfDiffuse", "NormalMap", "OutputMaterial"))
+    shader.inputs["Color"].default_value = (0, 0, 0, 1)
+    bump.inputs["Color"].default_value = (0.65, 0.5, 1.0, 1.0)
+    links.new(bump.outputs[0], shader.inputs["Normal"])
+    links.new(shader.outputs[0], output.inputs[0])
+    bpy.context.view_layer.update()
+    settings = material.Settings(implementation=implementation, fresnel="NONE", environment=0)
+    material.apply(made, tmp_path / "t.exr", settings, lights.lamp_objects(bpy.context.scene))
+    plane.data.materials.append(made)
+    image = scenes.render(4).mean((0, 1))
+    n = np.array((0.3, 0, 1)) / np.linalg.norm((0.3, 0, 1))
+    t = np.array((1, 0, 0)) - n[0] * n
+    t /= np.linalg.norm(t)
+    b = np.cross(n, t)
+    wi, wr = (radiance.local(np.array(d) / np.linalg.norm(d), t, b, n) for d in (sun, (0.1, 0.2, 1.0)))
+    assert image == pytest.approx(radiance.gamut_step(radiance.f_cos_xyz(table, wi, wr), xyz_to_rgb_matrix()), rel=0.01)
