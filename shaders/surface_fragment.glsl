@@ -27,6 +27,10 @@ mat3 scan_frame(vec3 n)
 
 void main()
 {
+#ifdef LOOSE_DEPTH
+    // EEVEE's depth was seen through another point of the pixel: as far towards the viewer as the surface rises there.
+    gl_FragDepth = clamp(gl_FragCoord.z - df_frame.counts.w * fwidth(gl_FragCoord.z), 0.0, 1.0);
+#endif
     vec3 to_viewer = df_frame.viewer.w > 0.5 ? normalize(df_frame.viewer.xyz - world_place) : df_frame.viewer.xyz;
     vec3 n = normalize(world_normal);
     bool mirrored = dot(df_model[0].xyz, cross(df_model[1].xyz, df_model[2].xyz)) < 0.0;

@@ -53,7 +53,7 @@ def find_scan(arguments, folder):
     from diffraction_shader.precompute.presets import make_preset
 
     path = folder / "snake.gsf"
-    write_gsf(path, make_preset("snake"))
+    write_gsf(make_preset("snake"), path)
     return path, {}
 
 

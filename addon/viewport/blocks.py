@@ -10,11 +10,14 @@ import numpy as np
 from ...precompute.layout import TableLayout
 from ..osl import FRESNEL, LAMPS_MAX
 
-#: Side of the cube that holds the view transform; its axes are even in log(1 + gain x) up to the value white, both at an
-#: exposure of 0.
+#: Side of the cube that holds the view transform; its axes are even in log(1 + gain x) up to the value white, both at
+#: an exposure of 0.
 DISPLAY_SIDE = 64
 DISPLAY_GAIN = 32.0
 DISPLAY_WHITE = 32.0
+
+#: Pixels by which EEVEE's depth may have been sampled elsewhere.
+DEPTH_SLACK = 2.0
 
 
 @dataclass
@@ -56,7 +59,7 @@ class Frame:
             rows[8] = *to_world[:3, 3], 1.0
         else:
             rows[8] = *(to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])), 0.0
-        rows[9] = len(self.lamps), self.points, float(self.display), 0.0
+        rows[9] = len(self.lamps), self.points, float(self.display), DEPTH_SLACK
         side = DISPLAY_SIDE
         gain = DISPLAY_GAIN * 2.0**self.exposure
         rows[10] = gain, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side

@@ -86,7 +86,8 @@ class Renderer:
         through_display: bool,
         visible: Callable[[bpy.types.Object], bool],
         list_key: int = 0,
-        shaded_by: str = "",
+        skips_nodes: bool = False,
+        loose_depth: bool = False,
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
 
@@ -102,14 +103,18 @@ class Renderer:
             Whether an original object is to be drawn.
         list_key
             Tells apart views that show different objects.
-        shaded_by
-            Engine that has drawn the materials already; empty where only shapes were drawn.
+        skips_nodes
+            Whether materials made of nodes have shown their diffraction already, as they do in EEVEE.
+        loose_depth
+            Whether the framebuffer's depth was sampled elsewhere in the pixels, as EEVEE's is.
         """
         attempt = (self.version, view)
         if self._failed == attempt:
             return 0
         try:
-            count = self._draw(depsgraph, view_matrix, projection, view, through_display, visible, list_key, shaded_by)
+            skips = skips_nodes and view.surface == "ADD"
+            listing = self._listing(depsgraph, visible, list_key, skips)
+            count = self._draw(listing, depsgraph, view_matrix, projection, view, through_display, loose_depth)
         except DiffractionError as error:
             self._fail(attempt, str(error))
             return 0
@@ -125,12 +130,9 @@ class Renderer:
             print(f"Diffraction: {message}")
         self.message, self._failed = message, attempt
 
-    def _draw(self, depsgraph, view_matrix, projection, view, through_display, visible, list_key, shaded_by) -> int:
+    def _draw(self, listing, depsgraph, view_matrix, projection, view, through_display, loose_depth) -> int:
         import gpu
 
-        # EEVEE shows the materials that are made of nodes itself.
-        skips = shaded_by == "EEVEE" and view.surface == "ADD"
-        listing = self._listing(depsgraph, visible, list_key, skips)
         self.message = ""
         if not listing.items:
             return 0
@@ -139,7 +141,7 @@ class Renderer:
             rows = lamps.studio_rows(view_matrix)
         exposure = depsgraph.scene.original.view_settings.exposure
         frame = blocks.Frame(view_matrix, projection, rows, view.points, through_display, exposure, listing.ambient)
-        shader = sources.surface(view.method)
+        shader = sources.surface(view.method, loose_depth)
         state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
         gpu.state.blend_set("NONE" if view.surface == "REPLACE" else "ADDITIVE")
         gpu.state.depth_test_set("LESS_EQUAL")

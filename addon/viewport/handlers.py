@@ -29,6 +29,7 @@ def draw_view() -> None:
     # Cycles shows the material itself.
     if shading == "WIREFRAME" or (shading == "RENDERED" and scene.render.engine == "CYCLES"):
         return
+    eevee = shading == "MATERIAL" or (shading == "RENDERED" and scene.render.engine == "BLENDER_EEVEE")
     renderer.draw(
         context.evaluated_depsgraph_get(),
         np.array(gpu.matrix.get_model_view_matrix()),
@@ -37,7 +38,8 @@ def draw_view() -> None:
         through_display=True,
         visible=lambda ob: ob.visible_in_viewport_get(space),
         list_key=space.as_pointer() if space.local_view is not None else 0,
-        shaded_by="EEVEE" if shading in {"MATERIAL", "RENDERED"} and scene.render.engine != "BLENDER_WORKBENCH" else "",
+        skips_nodes=eevee,
+        loose_depth=eevee,
     )
 
 

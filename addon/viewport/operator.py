@@ -43,6 +43,13 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
     surface: EnumProperty(name="Surface", items=_items(settings.SURFACE_ITEMS))
     quality: EnumProperty(name="Quality", items=_items(settings.QUALITY_ITEMS), default="FINE")
     brightness: FloatProperty(name="Brightness", description="Below 0: as the scene says", default=-1.0)
+    samples: IntProperty(
+        name="Samples",
+        description="Points of each pixel at which diffraction is evaluated",
+        default=16,
+        min=1,
+        max=1024,
+    )
     transparent: BoolProperty(name="Transparent", description="No background", default=False)
 
     @classmethod
@@ -75,7 +82,7 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
             with _engine(scene, self.shading):
                 pixels = offscreen.render(
                     handlers.renderer, scene, scene.camera, size, self.shading, replace(view, **chosen),
-                    background=not self.transparent,
+                    background=not self.transparent, samples=self.samples,
                 )  # fmt: skip
             offscreen.save(pixels, scene, path, self.transparent)
         except DiffractionError as error:

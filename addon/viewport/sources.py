@@ -56,11 +56,20 @@ _BRDF = {"TABLE": ("table.glsl", "brdf.glsl"), "FLSS": ("table.glsl", "flss.glsl
 
 
 @cache
-def surface(method: str):
-    """The shader that draws meshes, by one of `METHODS`."""
+def surface(method: str, loose_depth: bool = False):
+    """The shader that draws meshes, by one of `METHODS`.
+
+    Parameters
+    ----------
+    loose_depth
+        For a depth buffer whose points lie elsewhere in their pixels.
+    """
     import gpu
 
     info = _begin(method)
+    if loose_depth:
+        info.define("LOOSE_DEPTH", "1")
+        info.depth_write("ANY")
     info.sampler(2, "FLOAT_3D", "df_display")
     info.sampler(4, "FLOAT_2D", "df_angle")
     info.push_constant("MAT4", "df_model")
