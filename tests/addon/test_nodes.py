@@ -92,6 +92,7 @@ def test_nodes_follow_new_lamps(blender, tmp_path):
     assert scenes.render(16).max() > 0.1
 
 
+@pytest.mark.slow
 def test_eevee_is_close_to_cycles_for_a_sun(blender, tmp_path):
     """On a faceted ball, so that EEVEE's own place of its samples within a pixel does not matter."""
     ball = two_suns(tmp_path, suns=SUNS[:1], segments=16, rings=8)
