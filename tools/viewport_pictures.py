@@ -120,7 +120,7 @@ def compare(folder, width=320, samples=64, viewport_samples=32, detail=0.3, flss
     scene = make_scene(table, detail)
     pictures = [
         cycles(scene, folder / "cycles.png", width, samples),
-        viewport(folder / "viewport.png", width, quality="FAST", samples=viewport_samples),
+        viewport(folder / "viewport.png", width, quality="MEDIUM", samples=viewport_samples),
     ]
     if flss:
         pictures.append(viewport(folder / "flss.png", width, quality="FAST", samples=1, method="FLSS"))
@@ -137,7 +137,7 @@ def main():
     load_module("diffraction_shader", ROOT / "__init__.py", [str(ROOT)]).register()
     with tempfile.TemporaryDirectory() as folder:
         pictures, difference = compare(
-            Path(folder), arguments.width, arguments.samples, arguments.samples // 2, flss=not arguments.no_flss
+            Path(folder), arguments.width, arguments.samples, arguments.samples // 3, flss=not arguments.no_flss
         )
     side_by_side(pictures, arguments.out.resolve() / "viewport.png")
     mean, median, high = difference.mean(), np.median(difference), np.percentile(difference, 95)
