@@ -16,7 +16,7 @@ LEVELLING = ("use_crop", "crop_um", "level", "align_rows", "clip_percent", "smoo
 
 #: Properties that decide a bake, on the scene and on the operator, in the order of the panel.
 FIELDS = (
-    *LEVELLING, "ensemble", "sigma_s_um", "detail", "illuminant", "series", "tolerance", "limit_mb",
+    *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "illuminant", "series", "tolerance", "limit_mb",
 )  # fmt: skip
 
 
@@ -31,6 +31,7 @@ def parameters(owner: Any) -> BakeParameters:
     return BakeParameters(
         sigma_s_m=decimal(owner.sigma_s_um) * 1e-6 or None,
         ensemble=owner.ensemble,
+        replicas=tuple(owner.replicas),
         series=owner.series,
         tolerance=decimal(owner.tolerance),
         **levelling(owner),
@@ -70,7 +71,7 @@ def _plain(value: Any) -> Any:
     """A property's value as JSON holds it, numbers as the user typed them."""
     if isinstance(value, float):
         return decimal(value)
-    return value if isinstance(value, (str, bool, int)) else [decimal(x) for x in value]
+    return value if isinstance(value, (str, bool, int)) else [decimal(x) if isinstance(x, float) else x for x in value]
 
 
 def recall(values: dict[str, Any], owner: Any) -> None:

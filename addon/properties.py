@@ -12,6 +12,7 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
+    IntVectorProperty,
     PointerProperty,
     StringProperty,
 )
@@ -22,6 +23,7 @@ from . import preset_properties
 _LABELS = {
     "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),
     "single": ("Single", "One coherence window in the middle of the patch: speckled, a larger table"),
+    "periodic": ("Periodic", "The scan is one period: all its copies are lit coherently (gratings, discs)"),
     "nodes": ("Nodes", "One transform at each node of kappa; the fastest"),
     "chebyshev": ("Chebyshev", "Jacobi-Anger series"),
     "taylor": ("Taylor", "The series of the thesis; needs the most terms"),
@@ -73,6 +75,14 @@ def sigma_s() -> FloatProperty:
 def ensemble() -> EnumProperty:
     """How windows are averaged."""
     return EnumProperty(name="Ensemble", description="How coherence windows are averaged", items=ENSEMBLE_ITEMS)
+
+
+def replicas() -> IntVectorProperty:
+    """Copies of a period."""
+    return IntVectorProperty(
+        name="Copies", description="Copies of the scan along x and y, for the ensemble Periodic",
+        size=2, default=(8, 8), min=1, soft_max=100,
+    )  # fmt: skip
 
 
 def series() -> EnumProperty:
@@ -265,6 +275,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
 
     sigma_s_um: sigma_s()
     ensemble: ensemble()
+    replicas: replicas()
     series: series()
     tolerance: tolerance()
     level: level()

@@ -21,7 +21,7 @@ import numpy as np
 
 from .directions import uvw
 from .errors import ParameterError
-from .window import check_ensemble, check_sigma_s, gaussian_axis, taper_axis
+from .window import check_ensemble, check_sigma_s, taper_axis, window_axis
 
 #: Refractive index of keratin, the stuff of scales and nails; the default of the Fresnel term.
 IOR_KERATIN = 1.55
@@ -129,8 +129,8 @@ def brdf(
 def coherence_area(shape: tuple[int, int], dx: float, dy: float, sigma_s_m: float, ensemble: str) -> float:
     """``lambda^2 T(0, 0, w)`` of a flat patch in square metres: the height of its specular peak.
 
-    ``single``: ``(integral g)^2 / integral g^2``. ``average``: the taper's autocorrelation, weighted with the
-    lag Gaussian. Both tend to ``4 pi sigma_s^2`` for a patch far larger than sigma_s.
+    ``single`` and ``periodic`` (g = 1): ``(integral g)^2 / integral g^2``. ``average``: the taper's autocorrelation,
+    weighted with the lag Gaussian. With a window it tends to ``4 pi sigma_s^2`` for a patch far larger than sigma_s.
 
     Parameters
     ----------
@@ -142,8 +142,8 @@ def coherence_area(shape: tuple[int, int], dx: float, dy: float, sigma_s_m: floa
     sigma = check_sigma_s(sigma_s_m)
     area = 1.0
     for count, step in zip(shape, (dy, dx), strict=True):
-        if check_ensemble(ensemble) == "single":
-            g = gaussian_axis(count, step, sigma)
+        if check_ensemble(ensemble) != "average":
+            g = window_axis(count, step, sigma, ensemble)
             area *= g.sum() ** 2 / (g @ g) * step
         else:
             t = taper_axis(count)

@@ -9,6 +9,8 @@ is common to both.
 
     P = integral g p exp(i k (u x + v y)) dx dy,     p = exp(i k w h),     T = |P|^2 / (A lambda^2),  A = integral g^2
 
+``periodic``: the same with g = 1 over all copies of the period that the heightfield already holds.
+
 ``average``: the mean over all window positions. With the taper t of the patch's rim, R(D) the autocorrelation of
 p t and R_t = integral t^2,
 
@@ -33,7 +35,7 @@ from .constants import WAVELENGTH_MIN_M
 from .directions import uvw
 from .errors import ParameterError, ScanError
 from .heightfield import HeightField
-from .window import check_ensemble, check_sigma_s, gaussian_axis, taper_axis
+from .window import check_ensemble, check_sigma_s, window_axis
 
 #: Aliased lags lie at least this many sigma_s beyond the patch, where the lag Gaussian is exp(-25).
 _LAG_MARGIN = 10.0
@@ -57,7 +59,7 @@ class DirectEvaluator:
     sigma_s_m
         Standard deviation of the coherence window in metres.
     ensemble
-        ``average`` or ``single``.
+        ``average``, ``single`` or ``periodic``.
     dtype
         complex128, or complex64 for three times the speed at a relative error of about 1e-6.
 
@@ -77,10 +79,8 @@ class DirectEvaluator:
         # The modulus of P does not see a common height.
         self._cycles = field.heights - 0.5 * (field.heights.min() + field.heights.max())
         rows, cols = field.shape
-        if self.ensemble == "single":
-            self._axes = [gaussian_axis(n, d, self.sigma_s_m) for n, d in ((rows, field.dy), (cols, field.dx))]
-        else:
-            self._axes = [taper_axis(rows), taper_axis(cols)]
+        sides = ((rows, field.dy), (cols, field.dx))
+        self._axes = [window_axis(n, d, self.sigma_s_m, self.ensemble) for n, d in sides]
         squares = [float(a @ a) for a in self._axes]
         if min(squares) == 0.0:
             raise ScanError(f"The scan of {rows} x {cols} pixels is too small for the ensemble average; use 'single'.")
@@ -104,7 +104,7 @@ class DirectEvaluator:
         p = self.phase(w, wavelength_m)
         f0 = (v / wavelength_m, u / wavelength_m)
         steps = (self.field.dy, self.field.dx)
-        if self.ensemble == "single":
+        if self.ensemble != "average":
             offsets = weights = [np.zeros(1), np.zeros(1)]
         else:
             offsets, weights = zip(
@@ -118,7 +118,7 @@ class DirectEvaluator:
         # Long rows times few columns first: BLAS takes a quarter of the time of few rows times the patch.
         spectrum = kernels[0] @ (p @ kernels[1].T) * (steps[0] * steps[1])
         power = (spectrum.real.astype(float) ** 2) + spectrum.imag.astype(float) ** 2
-        total = power[0, 0] if self.ensemble == "single" else weights[0] @ power @ weights[1]
+        total = power[0, 0] if self.ensemble != "average" else weights[0] @ power @ weights[1]
         return float(total) / (self.norm_m2 * wavelength_m**2)
 
     def _frequencies(self, side_m: float) -> tuple[np.ndarray, np.ndarray]:

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Smoothed intensity S(f; kappa) = lambda^2 T on a polar grid of spatial frequencies.
 
-Both ensembles are one formula: with the autocorrelation ``R(D)`` of ``p`` times a window,
+All ensembles are one formula: with the autocorrelation ``R(D)`` of ``p`` times a window,
 
     lambda^2 T = 1 / norm * integral R(D) m(D) exp(2 pi i f.D) dD,   f = (u, v) / lambda
 
 * ``average``: the window is the Tukey taper t, ``m = exp(-|D|^2 / (4 sigma_s^2))``, norm = integral t^2;
 * ``single``: the window is the Gaussian g in the middle of the patch, ``m = 1``, norm = integral g^2
-  (then the integral is |P|^2).
+  (then the integral is |P|^2);
+* ``periodic``: the same with a window of 1 over all copies of the patch, norm = their area.
 
 Three things keep it cheap. Frequencies above 2 / lambda_min are never seen, so the spectrum
 is cropped to that band before anything else. ``m`` (or the window itself) ends the lags after
@@ -27,7 +28,7 @@ import numpy as np
 from .constants import W_MAX, WAVELENGTH_MIN_M
 from .heightfield import HeightField
 from .series import Series
-from .window import gaussian_window, taper
+from .window import window_axis
 
 #: Lags beyond this many sigma_s are cut: exp(-6.5^2 / 4) = 2.6e-5.
 LAG_CUT = 6.5
@@ -103,7 +104,7 @@ class PolarIntensity:
     sigma_s_m
         Coherence window, metres.
     ensemble
-        ``average`` or ``single``.
+        ``average``, ``single`` or ``periodic``.
     series, tolerance
         See :class:`precompute.series.Series`.
 
@@ -124,7 +125,9 @@ class PolarIntensity:
         rows, cols = field.shape
         self.x = _Axis.plan(cols, field.dx, sigma_s_m)
         self.y = _Axis.plan(rows, field.dy, sigma_s_m)
-        window = taper(field) if ensemble == "average" else gaussian_window(field, sigma_s_m)
+        window = np.outer(
+            window_axis(rows, field.dy, sigma_s_m, ensemble), window_axis(cols, field.dx, sigma_s_m, ensemble)
+        )
         area = float(np.sum(window * window)) * field.dx * field.dy
         self.series = Series(
             field.heights, window, 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M, series, tolerance, self._spectrum

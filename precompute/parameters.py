@@ -10,7 +10,7 @@ from typing import Any
 from .constants import TABLE_LIMIT_BYTES
 from .errors import ParameterError
 
-ENSEMBLES = ("average", "single")
+ENSEMBLES = ("average", "single", "periodic")
 SERIES = ("nodes", "chebyshev", "taylor")
 LEVELS = ("none", "plane", "poly2")
 ROW_AXES = ("none", "x", "y")
@@ -26,9 +26,13 @@ class BakeParameters:
     ----------
     sigma_s_m
         Standard deviation of the Gaussian coherence window in metres; None takes the
-        default of the ensemble (``single``: 65 um / 4, ``average``: patch side / 10).
+        default of the ensemble (``single``: 65 um / 4, ``average``: patch side / 10). ``periodic`` has no
+        window and passes it over.
     ensemble
-        ``average``: mean over all window positions; ``single``: one window in the middle.
+        ``average``: mean over all window positions; ``single``: one window in the middle; ``periodic``: the
+        patch is one period, and all its copies are lit coherently.
+    replicas
+        Copies along x and y, for ``periodic``.
     series
         How p = exp(i kappa h) is transformed: ``nodes`` (one FFT at each Chebyshev node of
         kappa), ``chebyshev`` (Jacobi-Anger) or ``taylor`` (the thesis).
@@ -62,6 +66,7 @@ class BakeParameters:
 
     sigma_s_m: float | None = None
     ensemble: str = "average"
+    replicas: tuple[int, int] = (8, 8)
     series: str = "nodes"
     tolerance: float = 1e-4
     level: str = "none"
@@ -87,6 +92,9 @@ class BakeParameters:
         ):
             if value not in choices:
                 raise ParameterError(f"The {name} {value!r} is unknown; choose one of {', '.join(choices)}.")
+        object.__setattr__(self, "replicas", tuple(int(n) for n in self.replicas))
+        if len(self.replicas) != 2 or min(self.replicas) < 1:
+            raise ParameterError(f"The copies {self.replicas} make no surface; give two whole numbers of at least 1.")
         if not (math.isfinite(self.tolerance) and 0.0 < self.tolerance < 1.0):
             raise ParameterError(f"The tolerance is {self.tolerance}; it must lie between 0 and 1.")
         if self.clip_percent is not None and not 0.0 < self.clip_percent <= 100.0:
@@ -111,4 +119,6 @@ class BakeParameters:
         """What decides the table's content, for the sidecar (the limit does not)."""
         data = asdict(self)
         del data["limit_bytes"]
+        if self.ensemble != "periodic":
+            del data["replicas"]
         return data

@@ -19,7 +19,7 @@ _STEP_FAR_OUT = 0.026
 
 #: Arc between neighbouring angles at r = 1, in lobe widths. One window gives fully developed
 #: speckle, the average hardly any, so ``single`` needs finer angles.
-_ARC = {"average": 0.85, "single": 0.45}
+_ARC = {"average": 0.85, "single": 0.45, "periodic": 0.45}
 
 #: Smallest |w| with a slice of its own: light and viewer both at 87 degrees.
 _W_MIN = 0.1
@@ -33,7 +33,7 @@ def plan_layout(sigma_s_m: float, ensemble: str, half_range_m: float, detail: fl
     sigma_s_m
         Coherence window, metres.
     ensemble
-        ``average`` or ``single``.
+        ``average``, ``single`` or ``periodic``.
     half_range_m
         Half of the range of heights, metres; deep reliefs change faster with w.
     detail

@@ -9,6 +9,7 @@ from .heightfield import HeightField
 from .levelling import level
 from .missing import fill_missing
 from .parameters import BakeParameters
+from .replicas import replicate
 from .resample import refine
 from .row_alignment import align_rows
 from .smoothing import smooth
@@ -23,7 +24,8 @@ def prepare(field: HeightField, parameters: BakeParameters) -> HeightField:
     field
         The scan as read.
     parameters
-        ``crop_m``, ``level``, ``align_rows``, ``clip_percent``, ``smooth_m`` and ``tile`` are used.
+        ``crop_m``, ``level``, ``align_rows``, ``clip_percent``, ``smooth_m``, ``tile``, and for the ensemble
+        ``periodic`` its ``replicas`` are used.
 
     Returns
     -------
@@ -50,4 +52,5 @@ def prepare(field: HeightField, parameters: BakeParameters) -> HeightField:
     field = smooth(field, parameters.smooth_m)
     if parameters.tile != "none":
         field = make_tileable(field, parameters.tile)
-    return refine(field, PIXEL_MAX_M)
+    field = refine(field, PIXEL_MAX_M)
+    return replicate(field, parameters.replicas) if parameters.ensemble == "periodic" else field

@@ -29,8 +29,12 @@ def default_sigma_s(field: HeightField, ensemble: str) -> float:
     """Standard deviation of the coherence window when none is given, in metres.
 
     ``single``: a quarter of sunlight's coherence length. ``average``: a tenth of the patch's shorter side.
+    ``periodic`` has no window; the value is the width whose lobe is as wide as that of the lit surface,
+    sinc^2 with half a maximum at 0.443 / side, and says how fine a table must be.
     """
-    return COHERENCE_LENGTH_SUN_M / 4.0 if check_ensemble(ensemble) == "single" else min(field.size_m) / 10.0
+    if check_ensemble(ensemble) == "periodic":
+        return 0.3 * max(field.size_m)
+    return COHERENCE_LENGTH_SUN_M / 4.0 if ensemble == "single" else min(field.size_m) / 10.0
 
 
 def gaussian_axis(count: int, step_m: float, sigma_s_m: float) -> np.ndarray:
@@ -46,6 +50,13 @@ def gaussian_window(field: HeightField, sigma_s_m: float) -> np.ndarray:
     """``(rows, cols)`` Gaussian coherence window in the middle of the patch, 1 at its centre."""
     rows, cols = field.shape
     return np.outer(gaussian_axis(rows, field.dy, sigma_s_m), gaussian_axis(cols, field.dx, sigma_s_m))
+
+
+def window_axis(count: int, step_m: float, sigma_s_m: float, ensemble: str) -> np.ndarray:
+    """``(count,)`` what the patch is multiplied by along one axis: Gaussian, taper, or 1 for ``periodic``."""
+    if check_ensemble(ensemble) == "single":
+        return gaussian_axis(count, step_m, sigma_s_m)
+    return taper_axis(count) if ensemble == "average" else np.ones(count)
 
 
 def taper_axis(count: int) -> np.ndarray:

@@ -22,6 +22,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
 
     sigma_s_um: properties.sigma_s()
     ensemble: properties.ensemble()
+    replicas: properties.replicas()
     series: properties.series()
     tolerance: properties.tolerance()
     level: properties.level()

@@ -26,7 +26,8 @@ class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None
-        for name in ("ensemble", "sigma_s_um", "detail"):
+        width = "replicas" if state.ensemble == "periodic" else "sigma_s_um"
+        for name in ("ensemble", width, "detail"):
             column.prop(state, name)
         if state.scan_path:
             _estimate(layout, context.scene)

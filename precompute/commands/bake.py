@@ -17,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the table; made if missing")
     parser.add_argument("--name", help="name of the table's files; the scan's by default")
     options.add_parameters(parser)
+    options.add_replicas(parser)
     parser.add_argument("--detail", type=options.number, default=default.detail, help="resolution of the table")
     parser.add_argument(
         "--limit-mb",
@@ -24,6 +25,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=default.limit_bytes / 1e6,
         metavar="MB",
         help="refuse tables with more texels than this",
+    )
+    parser.add_argument(
+        "--memory-mb",
+        type=options.number,
+        metavar="MB",
+        help="refuse bakes that take more than this; by default what is free",
     )
     options.add_cache(parser)
 
@@ -36,7 +43,9 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     parameters = options.bake_parameters(args, detail=args.detail, limit_bytes=int(args.limit_mb * 1e6))
     with options.Progress() as progress:
         cache = options.cache(args)
-        report = bake_file(args.file, args.out, parameters, progress, args.name, cache, **options.scan_reading(args))
+        memory = None if args.memory_mb is None else int(args.memory_mb * 1e6)
+        reading = options.scan_reading(args)
+        report = bake_file(args.file, args.out, parameters, progress, args.name, cache, memory, **reading)
     return {
         "table": str(report.path),
         "terms": int(report.table.info["terms"]),

@@ -15,6 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """FILE, the options of bake, two directions and perhaps one wavelength."""
     options.add_scan(parser)
     options.add_parameters(parser)
+    options.add_replicas(parser)
     options.add_directions(parser)
     parser.add_argument("--wavelength-nm", type=options.number, metavar="L", help="one wavelength instead of XYZ")
     parser.add_argument("--step-nm", type=options.number, metavar="D", help="step of the wavelength integral")
@@ -30,7 +31,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     parameters = options.bake_parameters(args)
     patch = prepare(options.read(args), parameters)
     sigma = parameters.sigma_s_m
-    if sigma is None:
+    if sigma is None or parameters.ensemble == "periodic":
         sigma = default_sigma_s(patch, parameters.ensemble)
     wi, wr = options.direction(args.wi), options.direction(args.wr)
     if args.wavelength_nm is not None:

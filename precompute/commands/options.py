@@ -86,8 +86,18 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
     parser.add_argument("--illuminant", choices=ILLUMINANTS, default=default.illuminant, **many)
 
 
+def add_replicas(parser: argparse.ArgumentParser) -> None:
+    """--replicas, for the ensemble ``periodic``."""
+    parser.add_argument(
+        "--replicas", nargs=2, type=int, metavar=("NX", "NY"), default=BakeParameters().replicas,
+        help="copies of the scan, which is one period, for the ensemble 'periodic'",
+    )  # fmt: skip
+
+
 def bake_parameters(args: argparse.Namespace, **more: object) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
+    if "replicas" in args and args.ensemble == "periodic":
+        more.setdefault("replicas", tuple(args.replicas))
     crop = None if args.crop_um is None else tuple(x * 1e-6 for x in args.crop_um)
     return BakeParameters(**{name: _si(args, key, factor) for name, key, factor in _FIELDS}, crop_m=crop, **more)
 

@@ -52,9 +52,9 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         raise ParameterError("Reflectance has one coherence window and a series; use --ensemble single.")
     if args.replicas is not None and args.method != "pq":
         raise ParameterError("Copies belong to the periodic surface; add --method pq.")
-    # The tolerance is the series's here; the patch is prepared as for a bake.
-    parameters = BakeParameters(level=args.level, clip_percent=args.clip)
-    patch = prepare(options.read(args), parameters)
+    # The tolerance is the method's here; the patch is prepared as for a bake.
+    bake = argparse.Namespace(**{**vars(args), "tolerance": BakeParameters().tolerance})
+    patch = prepare(options.read(args), options.bake_parameters(bake))
     lattice = _lattice(patch)
     if args.lattice is not None:
         if args.phi is not None:
