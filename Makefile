@@ -47,7 +47,8 @@ fuzz: $(READY)
 	@$(PY) -m pytest tests/trust $(PYTEST_ARGS)
 
 bench: $(READY)
-	@$(PY) tools/bench.py
+	@$(PY) tools/bench_bake.py
+	@$(PY) tools/bench_cycles.py
 	@$(PY) tools/bench_viewport.py
 
 lint: $(READY)
