@@ -65,7 +65,7 @@ ASSETS = (
 )
 
 #: Side of the previews in pixels.
-_SIDE = 128
+PREVIEW_SIDE = 128
 
 
 def build_assets(
@@ -198,7 +198,7 @@ def _render_preview(
     scene.objects["Bulb"].hide_render = not flat
     bpy.context.view_layer.update()
     render = scene.render
-    render.resolution_x = render.resolution_y = _SIDE
+    render.resolution_x = render.resolution_y = PREVIEW_SIDE
     render.resolution_percentage = 100
     render.film_transparent = True
     render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGBA"
@@ -207,11 +207,11 @@ def _render_preview(
         render.filepath = str(Path(folder) / "preview.png")
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(render.filepath)
-        pixels = np.empty(_SIDE * _SIDE * 4, np.float32)
+        pixels = np.empty(PREVIEW_SIDE * PREVIEW_SIDE * 4, np.float32)
         image.pixels.foreach_get(pixels)
         bpy.data.images.remove(image)
     preview = material.preview_ensure()
-    preview.image_size = (_SIDE, _SIDE)
+    preview.image_size = (PREVIEW_SIDE, PREVIEW_SIDE)
     preview.image_pixels_float.foreach_set(pixels)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make every picture of docs/ anew, in docs/pictures/.
+"""Make every picture of docs/ anew, in docs/pictures/, and the numbers of the pages that hold measurements.
 
 The snake and its BRDF map come from the demo, so they show what the installed extension does.
 """
@@ -26,10 +26,29 @@ def preset_pictures():
     subprocess.run([sys.executable, ROOT / "tools" / "preset_pictures.py", PICTURES / "presets.png"], check=True)
 
 
+def viewport_picture():
+    """Cycles, the viewport and FLSS side by side."""
+    subprocess.run([sys.executable, ROOT / "tools" / "viewport_pictures.py", "--out", PICTURES], check=True)
+
+
+def pages_with_numbers():
+    """The pages whose tables are filled by scripts."""
+    for name in ("docs_rcwa.py", "docs_evaluation.py"):
+        subprocess.run([sys.executable, ROOT / "tools" / name], check=True)
+
+
+def guide():
+    """The guide's pictures and its reference of parameters."""
+    subprocess.run([sys.executable, ROOT / "tools" / "guide_pictures.py", PICTURES], check=True)
+    subprocess.run([sys.executable, ROOT / "tools" / "reference.py"], check=True)
+
+
 def main():
     PICTURES.mkdir(parents=True, exist_ok=True)
     demo_pictures()
     preset_pictures()
+    viewport_picture()
+    pages_with_numbers()
     for path in sorted(PICTURES.iterdir()):
         print(path.relative_to(ROOT), f"{path.stat().st_size / 1e3:.0f} kB")
 
