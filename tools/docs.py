@@ -47,6 +47,7 @@ def main():
     PICTURES.mkdir(parents=True, exist_ok=True)
     demo_pictures()
     preset_pictures()
+    guide()
     viewport_picture()
     pages_with_numbers()
     for path in sorted(PICTURES.iterdir()):
