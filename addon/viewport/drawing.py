@@ -201,9 +201,7 @@ class Renderer:
             made = _Listing(
                 version,
                 items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m))),
-                lamps.scene_rows(
-                    depsgraph, {ob.name_full for ob in scene.objects if ob.type == "LIGHT" and visible(ob)}
-                ),
+                lamps.scene_rows(depsgraph, visible),
                 ambient(scene),
             )
             listing = self._listings[key] = made

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -16,19 +17,19 @@ from ..osl import LAMP_KINDS, LAMPS_MAX
 _STUDIO = (((-0.4, 0.5, 0.75), 3.0), ((0.8, 0.25, 0.55), 1.5), ((0.1, -0.7, 0.7), 0.8))
 
 
-def scene_rows(depsgraph: bpy.types.Depsgraph, shown: set[str] | None = None) -> np.ndarray:
+def scene_rows(depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Object], bool]) -> np.ndarray:
     """``(n, 6, 4)`` rows of the scene's lamps, at most ``LAMPS_MAX``.
 
     Parameters
     ----------
     depsgraph
         Evaluated.
-    shown
-        Names of the lamps to take; None takes all that a render takes.
+    visible
+        Whether an original object (of a lamp in a collection that an empty shows: the empty) is to be drawn.
     """
     found = []
     for lamp in lights.lamp_objects(depsgraph.scene.original)[:LAMPS_MAX]:
-        if shown is not None and lamp.name_full not in shown:
+        if not visible(getattr(lamp, "instancer", lamp)):
             continue
         rows = lamp_rows(lamp.evaluated_get(depsgraph))
         if rows is not None:

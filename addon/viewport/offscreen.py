@@ -187,9 +187,9 @@ def render(
 
 
 def filter_width(scene: bpy.types.Scene) -> float:
-    """Width of the pixel filter of a render, in pixels."""
+    """Pixels over which a render's pixel filter reaches: Blender's Blackman-Harris spans twice its setting."""
     cycles = getattr(scene, "cycles", None)
-    return cycles.filter_width if cycles is not None else scene.render.filter_size
+    return 2.0 * (cycles.filter_width if cycles is not None else scene.render.filter_size)
 
 
 def pixel_offsets(count: int, width: float) -> np.ndarray:

@@ -225,3 +225,18 @@ def test_missing_table_is_said_once(renderer, sphere, tmp_path, capsys):
         assert renderer.draw(depsgraph, view_matrix, projection, looks.View(), False, lambda ob: True) == 0
     assert "table.exr" in renderer.message and "bake" in renderer.message
     assert capsys.readouterr().out.count("Diffraction:") == 1
+
+
+def test_lamp_in_a_collection_that_an_empty_shows(renderer, sphere):
+    """The rig's sun shines as the same sun does in the scene; hidden with the empty the studio's lamps come."""
+    first = drawing.alone(renderer)
+    rig = bpy.data.collections.new("rig")
+    sun = bpy.data.objects["sun"]
+    rig.objects.link(sun)
+    bpy.context.scene.collection.objects.unlink(sun)
+    studio = drawing.alone(renderer)
+    empty = bpy.data.objects.new("rig", None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", rig
+    bpy.context.scene.collection.objects.link(empty)
+    assert drawing.alone(renderer) == pytest.approx(first, rel=1e-3, abs=1e-4)
+    assert not np.allclose(studio, first, rtol=0.1)
