@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""docs/evaluation.md: fill its tables and draw its pictures. `docs_evaluation.py [CHAPTER ...]` makes a part of it."""
+
+import importlib
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
+
+from fill_page import fill  # noqa: E402
+
+PAGE = ROOT / "docs" / "evaluation.md"
+PICTURES = ROOT / "docs" / "pictures"
+CHAPTERS = ("reflectance", "terms", "coherence", "methods", "maps")
+
+
+def shrink(path):
+    """A palette of 256 colours: a third of the bytes, and no eye sees it."""
+    from PIL import Image
+
+    with Image.open(path) as image:
+        small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
+    small.save(path, optimize=True)
+
+
+def main(chapters):
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for name in chapters:
+        fill(PAGE, importlib.import_module(f"evaluation.{name}").run(PICTURES))
+    for path in PICTURES.glob("evaluation_*.png"):
+        shrink(path)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or CHAPTERS)
