@@ -29,7 +29,13 @@ from .table import SpectralTable
 N_SLICES, N_R, N_PHI = 8, 128, 128
 
 #: Share of the mean over all slices in each slice's density: f follows w, which depends on the direction drawn too.
-_SHARED = 0.25
+_SHARED = 0.1
+
+#: Shares of X, Y and Z in a density: mostly luminance; that alone would leave the blue orders to chance.
+_XYZ_SHARES = np.float32((0.25, 0.55, 0.2))
+
+#: Azimuths of the viewer over which a density is averaged.
+_AZIMUTHS = 24
 
 #: Share of an even density, for regions that hold no light at all.
 _EVEN = 0.02
@@ -89,9 +95,7 @@ class Importance:
 
 
 def importance(table: SpectralTable, n_slices: int = N_SLICES, n_r: int = N_R, n_phi: int = N_PHI) -> Importance:
-    """Inverse distributions that follow the mean of X, Y and Z of a table.
-
-    Luminance alone would leave the blue orders to chance.
+    """Inverse distributions that follow the BRDF of a table, averaged over the viewer's azimuth.
 
     Parameters
     ----------
@@ -101,8 +105,7 @@ def importance(table: SpectralTable, n_slices: int = N_SLICES, n_r: int = N_R, n
         Ranges of the view angle's cosine, steps of radius and angle.
     """
     layout = table.layout
-    cos_r = (np.arange(n_slices) + 0.5) / n_slices
-    density = np.stack([_slice_density(table, 2.0 * c) for c in cos_r])  # (s, phi, r)
+    density = _densities(table, (np.arange(n_slices) + 0.5) / n_slices)
     edges = _ring_edges(layout.radii)
     area = np.pi * np.diff(edges**2) / layout.n_phi
     density /= (density * area).sum(axis=(1, 2), keepdims=True)
@@ -116,17 +119,41 @@ def importance(table: SpectralTable, n_slices: int = N_SLICES, n_r: int = N_R, n
     return Importance(radius, turn)
 
 
-def _slice_density(table: SpectralTable, w_abs: float) -> np.ndarray:
-    """``(n_phi, n_r)`` mean of X, Y, Z at the texels' own radii and angles, at one |w|."""
+def _densities(table: SpectralTable, cos_r: np.ndarray) -> np.ndarray:
+    """``(views, n_phi, n_r)`` mean of f over the viewer's azimuth, at the texels' radii and angles.
+
+    A view angle and a radius leave the azimuth open, on which cos(theta_i), w and whether the light
+    stands above the surface at all depend: their mean is one row of weights over the table's slices.
+    """
     layout = table.layout
-    position = float(layout.slice_coordinate(w_abs))
-    lower = min(int(position), layout.n_w - 2)
-    total = np.zeros((layout.n_phi, layout.n_r))
-    for index, weight in ((lower, 1.0 - (position - lower)), (lower + 1, position - lower)):
+    azimuth = (np.arange(_AZIMUTHS) + 0.5) * (np.pi / _AZIMUTHS)
+    cos_r, sin_r = cos_r[:, None, None], np.sqrt(1.0 - cos_r**2)[:, None, None]
+    r, turn = layout.radii[None, :, None], azimuth[None, None, :]
+    cos_i2 = 1.0 - (r**2 + sin_r**2 + 2.0 * r * sin_r * np.cos(turn))
+    above = cos_i2 > 0.0
+    cos_i = np.sqrt(np.maximum(cos_i2, 1e-4))
+    w = cos_i + cos_r
+    # 1 + wi.wr = (|wi + wr|^2) / 2, with wi + wr = -(u, v, w).
+    factor = np.where(above, ((r**2 + w**2) / 2.0) ** 2 / (cos_i * cos_r * w**2), 0.0)
+    column = np.arccos(cos_i) * ((layout.n_theta - 1) / (0.5 * np.pi))
+    rows = table.atlas[layout.albedo_y + 1 : layout.albedo_y + 1 + layout.n_albedo_phi, : layout.n_theta, 0]
+    factor /= np.maximum(np.interp(column, np.arange(layout.n_theta), rows.astype(float).mean(axis=0)), 1.0)
+
+    position = layout.slice_coordinate(w)
+    lower = np.minimum(position.astype(int), layout.n_w - 2)
+    blend = position - lower
+    gain = factor * layout.scale * w**layout.power / _AZIMUTHS
+    weights = np.zeros((cos_r.shape[0], layout.n_r, layout.n_w))
+    views, columns = np.arange(cos_r.shape[0])[:, None, None], np.arange(layout.n_r)[None, :, None]
+    np.add.at(weights, (views, columns, lower), gain * (1.0 - blend))
+    np.add.at(weights, (views, columns, lower + 1), gain * blend)
+
+    total = np.zeros((cos_r.shape[0], layout.n_phi, layout.n_r))
+    for index in range(layout.n_w):
         x, y = layout.tile_origin(index)
         tile = table.atlas[y + 1 : y + 1 + layout.n_phi, x : x + layout.n_r]
-        total += weight * tile.astype(np.float32).mean(axis=-1)
-    return np.maximum(total, 0.0) + 1e-30
+        total += weights[:, None, :, index] * np.maximum(tile.astype(np.float32) @ _XYZ_SHARES, 0.0)
+    return total + 1e-30
 
 
 def _ring_edges(radii: np.ndarray) -> np.ndarray:
