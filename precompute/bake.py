@@ -14,6 +14,7 @@ import numpy as np
 from .albedo import albedo_map
 from .atomic import remove_stale
 from .balance import balance
+from .budget import check_bake, check_scan
 from .cache import TableCache, origin, table_key
 from .colour import spectral_weights, white_xyz
 from .errors import ScanError, SizeLimitError
@@ -33,7 +34,7 @@ from .window import default_sigma_s
 Progress = Callable[[str, float], None]
 
 #: Angles that go from the transforms to the spectral sum at a time; bounds the memory in between.
-_ANGLES_A_BLOCK = 96
+ANGLES_A_BLOCK = 96
 
 #: Texels are scaled to this largest value, well inside half floats (65504).
 _LARGEST_TEXEL = 30000.0
@@ -82,7 +83,9 @@ class _Stages:
 
 def resolve_sigma_s(patch: HeightField, parameters: BakeParameters) -> float:
     """The coherence window in force (metres): the given one, else the ensemble's default."""
-    return parameters.sigma_s_m if parameters.sigma_s_m is not None else default_sigma_s(patch, parameters.ensemble)
+    if parameters.sigma_s_m is None or parameters.ensemble == "periodic":
+        return default_sigma_s(patch, parameters.ensemble)
+    return parameters.sigma_s_m
 
 
 def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
@@ -104,7 +107,12 @@ def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
     return layout
 
 
-def bake(scan: HeightField, parameters: BakeParameters, progress: Progress | None = None) -> SpectralTable:
+def bake(
+    scan: HeightField,
+    parameters: BakeParameters,
+    progress: Progress | None = None,
+    memory_bytes: int | None = None,
+) -> SpectralTable:
     """Bake the spectral table of a scan.
 
     Parameters
@@ -115,13 +123,15 @@ def bake(scan: HeightField, parameters: BakeParameters, progress: Progress | Non
         What decides the table.
     progress
         Called with a stage's name and a fraction; an exception it raises (``Cancelled``) ends the bake.
+    memory_bytes
+        Most memory that the bake may take; None asks the system what is free.
 
     Raises
     ------
     SizeLimitError, ParameterError, ScanError
-        Before any long computation.
+        Before any long computation or large allocation.
     """
-    return _bake(scan, parameters, _Stages(progress))
+    return _bake(scan, parameters, _Stages(progress), memory_bytes)
 
 
 def bake_file(
@@ -131,6 +141,7 @@ def bake_file(
     progress: Progress | None = None,
     name: str | None = None,
     cache: TableCache | None = None,
+    memory_bytes: int | None = None,
     **reading: object,
 ) -> BakeReport:
     """Read a scan, bake it and write ``<out_dir>/<name>.exr`` and ``.json``.
@@ -141,7 +152,7 @@ def bake_file(
         The scan.
     out_dir
         Folder of the table; made if missing.
-    parameters, progress
+    parameters, progress, memory_bytes
         See :func:`bake`.
     name
         Name of the table; the scan's by default.
@@ -163,7 +174,7 @@ def bake_file(
     folder = ensure_folder(out_dir)
     remove_stale(folder)
     stages.done("read")
-    table, found = _cached_bake(scan, parameters, stages, cache)
+    table, found = _cached_bake(scan, parameters, stages, cache, memory_bytes)
     stages.report("write", 0.97)
     target = folder / f"{name or Path(path).stem}.exr"
     if parameters.series != "nodes":
@@ -178,28 +189,32 @@ def bake_file(
 
 
 def _cached_bake(
-    scan: HeightField, parameters: BakeParameters, stages: _Stages, cache: TableCache | None
+    scan: HeightField, parameters: BakeParameters, stages: _Stages, cache: TableCache | None, memory_bytes: int | None
 ) -> tuple[SpectralTable, str]:
     """The table, and what the cache did."""
     if cache is None:
-        return _bake(scan, parameters, stages), "none"
+        return _bake(scan, parameters, stages, memory_bytes), "none"
     key = table_key(scan, parameters)
     table = cache.get(key)
     stages.done("cache")
     if table is not None:
         table.info["source"].update(origin(scan))
         return table, "hit"
-    table = _bake(scan, parameters, stages)
+    table = _bake(scan, parameters, stages, memory_bytes)
     stored = cache.put(key, table)
     stages.done("cache")
     return table, "stored" if stored else "not stored"
 
 
-def _bake(scan: HeightField, parameters: BakeParameters, stages: _Stages) -> SpectralTable:
+def _bake(
+    scan: HeightField, parameters: BakeParameters, stages: _Stages, memory_bytes: int | None = None
+) -> SpectralTable:
     stages.report("prepare", 0.01)
+    check_scan(scan, resolve_sigma_s(scan, parameters), parameters, memory_bytes)
     patch = prepare(scan, parameters)
     sigma_s = resolve_sigma_s(patch, parameters)
     layout = estimate(patch, parameters)
+    check_bake(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK, memory_bytes)
     stages.done("prepare")
     # colour-science takes longer to import than a transform takes: it loads while the transforms run.
     with ThreadPoolExecutor(1) as background:
@@ -256,7 +271,7 @@ def _integrate(
     from threadpoolctl import threadpool_limits
 
     transform = np.empty((layout.n_r, layout.n_w, 3, layout.n_phi), np.float32)
-    blocks = [slice(start, start + _ANGLES_A_BLOCK) for start in range(0, layout.n_phi, _ANGLES_A_BLOCK)]
+    blocks = [slice(start, start + ANGLES_A_BLOCK) for start in range(0, layout.n_phi, ANGLES_A_BLOCK)]
 
     def integrate(block: slice) -> None:
         transform[..., block] = total.apply(polar.polar(coefficients, layout.angles[block]))

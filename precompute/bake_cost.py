@@ -6,10 +6,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from .bake import estimate, resolve_sigma_s
+from .bake import ANGLES_A_BLOCK, estimate, resolve_sigma_s
+from .budget import bake_bytes
 from .constants import W_MAX, WAVELENGTH_MIN_M
 from .heightfield import HeightField
-from .intensity import BAND_MARGIN, LAG_CUT, LAG_ROOM, RADIAL_STEP, lobe_width
+from .intensity import LAG_CUT
 from .layout import TableLayout
 from .parameters import BakeParameters
 from .series import bessel_order
@@ -18,14 +19,8 @@ from .series import bessel_order
 #: everything else, libraries among it. Fitted to bakes of six scans on two cores of 2.5 GHz.
 _SECONDS_A_PIXEL, _SECONDS_A_TEXEL, _SECONDS_FIXED = 5e-8, 4e-8, 3.0
 
-#: Libraries, wavelengths and buffers that do not grow with the scan.
-_BYTES_FIXED = 230e6
-
 #: Half floats of three channels, hardly compressible.
 _BYTES_A_TEXEL_ON_DISK = 6.0
-
-#: Copies of the padded transform (complex64) that live at a time, and bytes a pixel of the patch itself.
-_TRANSFORMS, _BYTES_A_PIXEL = 3, 40.0
 
 
 @dataclass(frozen=True)
@@ -84,21 +79,11 @@ def bake_cost(patch: HeightField, parameters: BakeParameters) -> BakeCost:
     kappa_max = 2.0 * math.pi * W_MAX / WAVELENGTH_MIN_M
     nodes = max(bessel_order(kappa_max * half_range, parameters.tolerance) + 1, 4)
 
-    lobe = lobe_width(sigma_s)
-    band_step = 0.5 / (W_MAX / WAVELENGTH_MIN_M + BAND_MARGIN * lobe)
-    padded, fine = 1.0, 1.0
+    padded = 1.0
     for side, pixels in zip(patch.size_m, patch.shape[::-1], strict=True):
-        lag = min(side, LAG_CUT * sigma_s)
-        padded *= pixels * (1.0 + lag / side)
-        fine *= 2.0 * LAG_ROOM * lag / band_step + 8.0
+        padded *= pixels * (1.0 + min(side, LAG_CUT * sigma_s) / side)
     texels = layout.n_r * layout.n_phi * layout.n_w
-    radii = W_MAX / WAVELENGTH_MIN_M / (RADIAL_STEP * lobe)
 
     seconds = _SECONDS_FIXED + _SECONDS_A_PIXEL * padded * nodes + _SECONDS_A_TEXEL * texels * nodes
-    memory = (
-        _BYTES_FIXED
-        + _BYTES_A_PIXEL * patch.shape[0] * patch.shape[1]
-        + max(8.0 * _TRANSFORMS * padded, 12.0 * texels + 2.0 * 96.0 * radii * (16.0 * 8.0 + 4.0 * nodes))
-        + 4.0 * fine * nodes
-    )
+    memory = bake_bytes(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK)
     return BakeCost(layout, nodes, patch.shape, seconds, memory)

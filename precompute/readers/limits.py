@@ -17,6 +17,29 @@ LIMIT_FILE_BYTES = 512 * 1024 * 1024
 LIMIT_TEXT_BYTES = 160 * 1024 * 1024
 
 
+#: Most bytes of pixels that a byte of file can stand for: the bound of deflate is 1032.
+_DENSEST = 1040
+
+
+def check_density(path: Path, bits: int) -> None:
+    """Refuse a compressed picture that declares more than its file can hold: a bomb, or a damaged header.
+
+    Parameters
+    ----------
+    path
+        The file.
+    bits
+        Of all declared pixels.
+
+    Raises
+    ------
+    ScanError
+        If no compression brings them into the file.
+    """
+    if bits // 8 > _DENSEST * path.stat().st_size:
+        raise ScanError("The picture declares more pixels than its file can hold; copy or export it again.")
+
+
 def check_text(path: Path) -> None:
     """Refuse a text file that is too large.
 

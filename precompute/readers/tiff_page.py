@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ScanError
-from .limits import LIMIT_PIXELS, check_shape
+from .limits import LIMIT_PIXELS, check_density, check_shape
 
 #: None, deflate (two numbers) and PackBits: what tifffile decodes without further libraries.
 PLAIN_COMPRESSIONS = (1, 8, 32946, 32773)
@@ -49,4 +49,5 @@ def decoded(page: Any, path: Path) -> np.ndarray:
         raise ScanError(f"The TIFF declares an image of the shape {page.shape}; save it as one grey picture.")
     if sum(page.databytecounts) > path.stat().st_size:
         raise ScanError("The TIFF declares more data than the file holds; copy or export it again.")
+    check_density(path, page.size * max(page.bitspersample, 1))
     return page.asarray()
