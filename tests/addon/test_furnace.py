@@ -9,6 +9,7 @@ from precompute.bake import bake
 from precompute.colour import luminance_row, xyz_to_rgb_matrix
 from precompute.parameters import BakeParameters
 from precompute.presets import make_preset
+from precompute.table import SpectralTable
 from tests.addon import materials, scenes
 from tests.addon.test_environment import hemisphere, white_world
 from tests.truth import radiance
@@ -68,3 +69,21 @@ def test_swapping_light_and_viewer_changes_nothing(blender, tmp_path):
         f.append(scenes.render(4).mean((0, 1)) / light[2])
     assert f[0].max() > 1e-3
     assert f[0] == pytest.approx(f[1], rel=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("theta", [0, 60, 80])
+def test_real_scan_equals_the_quadrature_and_gains_nothing(blender, scan_dir, tmp_path_factory, theta):
+    from precompute.readers import read_scan
+
+    path = tmp_path_factory.getbasetemp() / "xenopeltis.exr"
+    if not path.exists():
+        scan = read_scan(scan_dir / "xenopeltis_65um_818.69nm.png", size_m=(65e-6, 65e-6), height_m=818.69e-9)
+        bake(scan, BakeParameters(level="poly2", clip_percent=99.9, detail=0.6)).save(path)
+    table = SpectralTable.load(path)
+    image, wr = furnace(path, theta, samples=100)
+    wi, cell = hemisphere(1500)
+    xyz = (radiance.f_cos_xyz(table, wi, wr) * cell[..., None]).sum((0, 1))
+    assert (image @ luminance_row()).mean() == pytest.approx(xyz[1], rel=0.01)
+    rendered = np.linalg.solve(xyz_to_rgb_matrix(), image.mean((0, 1)))
+    assert (rendered / table.info["colour"]["white_xyz"] <= 1.01).all()
