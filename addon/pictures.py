@@ -8,6 +8,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+#: Largest side of a preview in pixels.
+_PREVIEW_SIDE = 320
+
 
 def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = False) -> bpy.types.Image:
     """Make or replace an image data-block and show it in an image editor, if one is open.
@@ -37,6 +40,7 @@ def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = 
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     image.pack()  # it has no file: without this a saved .blend would forget it
+    _set_preview(image, pixels)
     _into_editor(context, image)
     return image
 
@@ -52,8 +56,21 @@ def show_file(context: bpy.types.Context, name: str, path: Path) -> bpy.types.Im
     image.name = name
     image.filepath = ""
     path.unlink(missing_ok=True)
+    pixels = np.empty(len(image.pixels), np.float32)
+    image.pixels.foreach_get(pixels)
+    _set_preview(image, pixels.reshape(image.size[1], image.size[0], -1))
     _into_editor(context, image)
     return image
+
+
+def _set_preview(image: bpy.types.Image, pixels: np.ndarray) -> None:
+    """Preview for the panel; Blender would keep the one of the picture that was there before."""
+    step = max(1, -(-max(image.size) // _PREVIEW_SIDE))
+    height, width = (count // step * step for count in pixels.shape[:2])
+    small = pixels[:height, :width].reshape(height // step, step, width // step, step, -1).mean(axis=(1, 3))
+    preview = image.preview_ensure()
+    preview.image_size = (small.shape[1], small.shape[0])
+    preview.image_pixels_float.foreach_set(np.ascontiguousarray(np.clip(small, 0.0, 1.0), np.float32).ravel())
 
 
 def _into_editor(context: bpy.types.Context, image: bpy.types.Image) -> None:

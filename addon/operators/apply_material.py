@@ -66,7 +66,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
 
     def invoke(self, context, event):
         for name in _FROM_PANEL:
-            if not self.properties.is_property_set(name):
+            if not self.properties.is_property_set(name, ghost=False):
                 setattr(self, name, getattr(context.scene.diffraction, name))
         return self.execute(context)
 

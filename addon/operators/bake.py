@@ -35,7 +35,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     detail: properties.detail()
     illuminant: properties.illuminant()
     limit_mb: properties.limit_mb()
-    name: StringProperty(name="Name", description="Name of the table; empty takes the scan's")
+    name: StringProperty(name="Name", description="Name of the table; empty takes the scan's", options={"SKIP_SAVE"})
 
     @classmethod
     def poll(cls, context):

@@ -33,7 +33,7 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
         """Take the panel's values where the caller gave none."""
         state = context.scene.diffraction
         for name in ("theta", "phi", "size", "linear"):
-            if not self.properties.is_property_set(name):
+            if not self.properties.is_property_set(name, ghost=False):
                 setattr(self, name, getattr(state, f"map_{name}"))
 
     def jobs(self, context):

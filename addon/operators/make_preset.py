@@ -39,7 +39,7 @@ class DIFFRACTION_OT_make_preset(bpy.types.Operator):
     def execute(self, context):
         values = {}
         for parameter in PRESETS[self.preset].parameters:
-            if self.properties.is_property_set(parameter.name):
+            if self.properties.is_property_set(parameter.name, ghost=False):
                 value = getattr(self, parameter.name)
                 values[parameter.name] = decimal(value) if isinstance(value, float) else value
             else:  # presets that share a parameter differ in its default

@@ -42,7 +42,7 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
 
         state = context.scene.diffraction
         for name in bake_settings.LEVELLING:
-            if not self.properties.is_property_set(name):
+            if not self.properties.is_property_set(name, ghost=False):
                 setattr(self, name, getattr(state, name))
         source, reading = scan_store.bake_source(context.scene)
         chosen = replace(bake_settings.parameters(state), **bake_settings.levelling(self))

@@ -43,7 +43,7 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
     def prepare(self, context):
         """Take the panel's values where the caller gave none."""
         for name in ("theta", "order"):
-            if not self.properties.is_property_set(name):
+            if not self.properties.is_property_set(name, ghost=False):
                 setattr(self, name, getattr(context.scene.diffraction, f"plot_{name}"))
 
     def jobs(self, context):

@@ -406,6 +406,7 @@ def test_level_preview_and_map_become_images(project):
     assert bpy.ops.diffraction.preview_levelling() == {"FINISHED"}
     image = bpy.data.images["Diffraction Levelling"]
     assert tuple(image.size) == (1280, 960) and image.packed_file is not None
+    assert tuple(image.preview.image_size) == (320, 240) and max(image.preview.image_pixels_float[:64]) > 0.05
     everything()
     stand_in_table(project)
     assert bpy.ops.diffraction.brdf_map(theta=0.4, size=64, linear=True) == {"FINISHED"}
