@@ -94,11 +94,50 @@ def map_to_srgb(xyz: np.ndarray, exposure: float | None = None, illuminant: str 
     return encode_srgb(rgb / np.maximum(1.0, rgb.max(axis=-1, keepdims=True)))
 
 
+def direction_grid(size: int) -> np.ndarray:
+    """Circles at polar angles of 30, 60 and 90 degrees and spokes every 30 degrees of azimuth.
+
+    Parameters
+    ----------
+    size
+        Pixels a side of the map.
+
+    Returns
+    -------
+    ndarray
+        ``(size, size)`` coverage of the lines, one pixel wide, in 0..1.
+    """
+    axis = np.arange(size) + 0.5 - 0.5 * size
+    x, y = np.meshgrid(axis, axis)
+    radius, rim = np.hypot(x, y), 0.5 * size
+    coverage = np.zeros((size, size))
+    for degrees in (30, 60, 90):
+        away = np.abs(radius - min(rim * np.sin(np.radians(degrees)), rim - 1.0))
+        coverage = np.maximum(coverage, np.clip(1.0 - away, 0.0, 1.0))
+    for azimuth in np.radians(np.arange(0, 180, 30)):
+        away = np.abs(x * np.sin(azimuth) - y * np.cos(azimuth))
+        # The middle stays free: spokes start at 15 degrees.
+        spoke = np.clip(1.0 - away, 0.0, 1.0) * ((radius > rim * np.sin(np.radians(15))) & (radius < rim))
+        coverage = np.maximum(coverage, spoke)
+    return coverage
+
+
 def save_map(
-    xyz: np.ndarray, path: str | os.PathLike[str], exposure: float | None = None, illuminant: str = "D65"
+    xyz: np.ndarray,
+    path: str | os.PathLike[str],
+    exposure: float | None = None,
+    illuminant: str = "D65",
+    grid: bool = False,
 ) -> Path:
-    """Write a map: ``.png`` as `map_to_srgb` shows it, ``.exr`` as linear Rec.709, unscaled, f in 1/sr."""
+    """Write a map: ``.png`` as `map_to_srgb` shows it, ``.exr`` as linear Rec.709, unscaled, f in 1/sr.
+
+    ``grid`` draws `direction_grid` over a ``.png``; an ``.exr`` holds numbers, so it has none.
+    """
     path = check_image_path(path)
     if path.suffix.lower() == ".png":
-        return write_png(path, map_to_srgb(xyz, exposure, illuminant))
+        srgb = map_to_srgb(xyz, exposure, illuminant)
+        if grid:
+            lines = 0.45 * direction_grid(len(srgb))[..., None]
+            srgb = srgb * (1.0 - lines) + lines
+        return write_png(path, srgb)
     return write_exr(path, xyz_to_rgb(xyz, illuminant=illuminant))

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Evaluate the BRDF of a scan by direct summation: slow and exact, the reference of every table."""
+"""Evaluate the BRDF of a scan without a table: by direct summation, the reference, or by another method."""
 
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
+from ..methods import METHODS
+from ..parameters import BakeParameters
 from . import options
 
 
@@ -19,6 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_directions(parser)
     parser.add_argument("--wavelength-nm", type=options.number, metavar="L", help="one wavelength instead of XYZ")
     parser.add_argument("--step-nm", type=options.number, metavar="D", help="step of the wavelength integral")
+    parser.add_argument("--method", choices=METHODS, default="direct", help="how T is computed")
     parser.add_argument("--normalisation", choices=("absolute", "relative"), default="absolute")
 
 
@@ -29,6 +33,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     from ..window import default_sigma_s
 
     parameters = options.bake_parameters(args)
+    if args.method != "direct":
+        return _by_method(args, parameters)
     patch = prepare(options.read(args), parameters)
     sigma = parameters.sigma_s_m
     if sigma is None or parameters.ensemble == "periodic":
@@ -42,6 +48,34 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     step = None if args.step_nm is None else args.step_nm * 1e-9
     xyz = direct_xyz(patch, sigma, parameters.ensemble, wi, wr, parameters.illuminant, step, args.normalisation)
     return {"xyz": np.asarray(xyz).tolist()}
+
+
+def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str, Any]:
+    """The same by a method with one coherence window, or by copies of the scan (pq)."""
+    from ..brdf import geometry_factor, relative_factor
+    from ..directions import uvw
+    from ..errors import ParameterError
+    from ..methods import make_method
+    from ..methods.flss import STEP_M, method_xyz
+    from ..prepare import prepare
+
+    if parameters.ensemble != "single" and args.method != "pq":
+        raise ParameterError(f"The method '{args.method}' has one coherence window; add --ensemble single.")
+    patch = prepare(options.read(args), replace(parameters, ensemble="single"))
+    series = "chebyshev" if parameters.series == "nodes" else parameters.series
+    tolerance = None if args.method == "flss" else parameters.tolerance
+    made = make_method(args.method, patch, parameters.sigma_s_m, series, tolerance, tuple(args.replicas))
+    wi, wr = options.direction(args.wi), options.direction(args.wr)
+    if args.wavelength_nm is None:
+        step = STEP_M if args.step_nm is None else args.step_nm * 1e-9
+        xyz = method_xyz(made, wi, wr, parameters.illuminant, step, args.normalisation)
+        return {"xyz": xyz.tolist(), **made.facts}
+    wavelength = args.wavelength_nm * 1e-9
+    factor = float(geometry_factor(wi, wr))
+    f = factor * float(made.transform(*uvw(wi, wr), wavelength)) if factor > 0 else 0.0
+    if args.normalisation == "relative":
+        f *= float(relative_factor(wi, wr, wavelength, made.area_m2))
+    return {"f": f, **made.facts}
 
 
 def describe(result: dict[str, Any]) -> str:

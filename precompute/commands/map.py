@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--phi-i", type=options.number, required=True, metavar="P", help="light's azimuth, deg")
     parser.add_argument("--out", required=True, metavar="FILE", help=".png (sRGB) or .exr (linear Rec.709, 1/sr)")
     parser.add_argument("--size", type=int, default=512, metavar="N", help="pixels a side")
+    parser.add_argument("--grid", action="store_true", help="draw polar angles and azimuths over a .png")
     parser.add_argument("--exposure", type=options.number, help="factor on the linear values of a .png")
 
 
@@ -30,5 +31,5 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     illuminant = table.info["colour"]["illuminant"]
     xyz = brdf_map(table, options.direction([args.theta_i, args.phi_i]), args.size)
     exposure = exposure_of(xyz, illuminant) if args.exposure is None else args.exposure
-    path = save_map(xyz, args.out, exposure, illuminant)
+    path = save_map(xyz, args.out, exposure, illuminant, args.grid)
     return {"out": str(path), "size": args.size, "y_max": float(xyz[..., 1].max()), "exposure": exposure}

@@ -208,3 +208,49 @@ def test_table_of_copies_follows_the_periodic_method():
     # 2 %; the 95th percentile is 12 %, in the nulls between the orders.
     assert np.median(error) < 0.04
     assert table.info["parameters"]["replicas"] == (12, 6)
+
+
+def test_window_table_and_reference_look_alike_on_the_snake():
+    """Delta E 2000 below 1 cannot be seen; 16 um of skin, one window of 2 um, random directions."""
+    from precompute.bake import bake
+    from precompute.brdf import brdf
+    from precompute.colour_difference import delta_e_2000
+    from precompute.direct import direct_xyz
+    from precompute.directions import from_angles
+    from precompute.methods.flss import method_xyz
+    from precompute.parameters import BakeParameters
+    from precompute.presets import make_preset
+
+    field, sigma = make_preset("snake", 16e-6), 2e-6
+    rng = np.random.default_rng(5)
+    wi = from_angles(rng.uniform(0, 1.2, 20), rng.uniform(0, 6.28, 20))
+    wr = from_angles(rng.uniform(0, 1.2, 20), rng.uniform(0, 6.28, 20))
+    table = brdf(bake(field, BakeParameters(ensemble="single", sigma_s_m=sigma)), wi, wr)
+    window = method_xyz(make_method("windowed", field, sigma), wi, wr)
+    reference = direct_xyz(field, sigma, "single", wi, wr, step_m=5e-9)
+    # Exposed so that none of the directions is shown brighter than white: differences cannot hide there.
+    exposure = 1.0 / reference[:, 1].max()
+    for one, other in ((window, reference), (table, reference), (table, window)):
+        assert np.median(delta_e_2000(one, other)) < 1
+        assert np.median(delta_e_2000(one, other, exposure)) < 1
+
+
+def test_command_line_takes_a_method(tmp_path, capsys):
+    """`direct --method` gives the reference's number by another way, and says what it took."""
+    import json
+
+    from precompute.cli import main
+
+    path = str(tmp_path / "grating.gsf")
+    main(["preset", "sinusoid", "--out", path, "--size-um", "8", "--pixels", "100"])
+    angles = ("--wi", "20", "10", "--wr", "-30", "5", "--json")
+    values = {}
+    for method in ("direct", "windowed"):
+        capsys.readouterr()
+        assert main(["direct", path, *angles, "--ensemble", "single", "--sigma-s-um", "1", "--method", method]) == 0
+        values[method] = json.loads(capsys.readouterr().out)
+    assert values["windowed"]["xyz"] == pytest.approx(values["direct"]["xyz"], rel=2e-3)
+    assert values["windowed"]["terms"] > 3
+    assert main(["direct", path, *angles, "--method", "flss"]) == 2
+    assert "--ensemble single" in capsys.readouterr().err
+    assert main(["direct", path, *angles, "--method", "pq", "--replicas", "2", "3", "--wavelength-nm", "500"]) == 0
