@@ -114,7 +114,7 @@ def side_by_side(pictures, path):
     matplotlib.image.imsave(path, np.concatenate(parts, axis=1))
 
 
-def compare(folder, width=320, samples=64, viewport_samples=32, detail=0.3, flss=True):
+def compare(folder, width=240, samples=200, viewport_samples=64, detail=0.3, flss=True):
     """Cycles, viewport and (optionally) FLSS pictures, and Delta E of the first two for each pixel."""
     table = make_table(folder, "taylor" if flss else "nodes")
     scene = make_scene(table, detail)
@@ -130,8 +130,8 @@ def compare(folder, width=320, samples=64, viewport_samples=32, detail=0.3, flss
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", type=Path, default=PICTURES)
-    parser.add_argument("--width", type=int, default=320)
-    parser.add_argument("--samples", type=int, default=64)
+    parser.add_argument("--width", type=int, default=240)
+    parser.add_argument("--samples", type=int, default=200)
     parser.add_argument("--no-flss", action="store_true")
     arguments = parser.parse_args()
     load_module("diffraction_shader", ROOT / "__init__.py", [str(ROOT)]).register()
