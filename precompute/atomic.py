@@ -48,9 +48,9 @@ def atomic_path(path: str | os.PathLike[str]) -> Iterator[Path]:
     ...     write_png(temporary)
     """
     target = Path(path)
-    if target.is_dir():
-        raise OutputError(f"Cannot write '{target}': it is a folder; give the name of a file in it.")
     try:
+        if target.is_dir():
+            raise OutputError(f"Cannot write '{target}': it is a folder; give the name of a file in it.")
         target.parent.mkdir(parents=True, exist_ok=True)
         # A short name of its own, so that long target names do not pass the limit of the file system.
         # Not by tempfile, whose files are private: this one gets the mode of an ordinary new file.

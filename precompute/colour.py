@@ -11,6 +11,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from .colour_library import load_colour
 from .constants import WAVELENGTH_MAX_M, WAVELENGTH_MIN_M
 from .errors import ParameterError
 from .parameters import ILLUMINANTS
@@ -96,7 +97,7 @@ def _weights(wavelengths: tuple[float, ...], illuminant: str) -> tuple[np.ndarra
 
 @lru_cache(maxsize=1)
 def _observer() -> tuple[np.ndarray, np.ndarray]:
-    import colour
+    colour = load_colour()
 
     cmfs = colour.MSDS_CMFS[OBSERVER]
     return np.asarray(cmfs.wavelengths), np.asarray(cmfs.values)
@@ -106,7 +107,7 @@ def _observer() -> tuple[np.ndarray, np.ndarray]:
 def _illuminant(name: str) -> tuple[np.ndarray, np.ndarray]:
     if name not in ILLUMINANTS:
         raise ParameterError(f"Unknown illuminant '{name}'; choose one of {', '.join(ILLUMINANTS)}.")
-    import colour
+    colour = load_colour()
 
     distribution = colour.SDS_ILLUMINANTS[name]
     return np.asarray(distribution.wavelengths), np.asarray(distribution.values)
@@ -121,7 +122,7 @@ def white_xyz(illuminant: str = "D65") -> np.ndarray:
 def _xyz_to_rgb(space: str, illuminant: str) -> np.ndarray:
     if space not in SPACES:
         raise ParameterError(f"Unknown working space '{space}'; choose one of {', '.join(SPACES)}.")
-    import colour
+    colour = load_colour()
 
     definition = colour.RGB_COLOURSPACES[SPACES[space]]
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from .brdf_map import exposure_of
 from .colour import white_xyz
+from .colour_library import load_colour
 from .errors import ParameterError
 
 
@@ -37,7 +38,7 @@ def delta_e_2000(
     ParameterError
         If the shapes differ.
     """
-    import colour
+    colour = load_colour()
 
     result, reference = np.asarray(result, float), np.asarray(reference, float)
     if result.shape != reference.shape or result.shape[-1:] != (3,):
