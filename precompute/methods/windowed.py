@@ -64,9 +64,9 @@ class Windowed:
         self.sigma_s_m = check_sigma_s(sigma_s_m)
         band = band or Band()
         rows, cols = field.shape
-        padding = 1 if truncated else self._padding(min(field.size_m))
+        sides = (rows * field.dy, cols * field.dx)
         #: Distances of the bins along y and x, 1/m.
-        self.steps = (1.0 / (padding * rows * field.dy), 1.0 / (padding * cols * field.dx))
+        self.steps = tuple(1.0 / (side * (1 if truncated else self._padding(side))) for side in sides)
         width = 1.0 / (2.0 * np.pi * self.sigma_s_m)
         self.reach = (1, 1) if truncated else tuple(int(np.ceil(_REACH * width / step)) for step in self.steps)
         limits = (band.fy, band.fx)

@@ -28,12 +28,19 @@ def summed(line, dx, window, copies=1):
     sin_r, cos_r = np.sin(VIEWS), np.cos(VIEWS)
     u, w = -(sin_i + sin_r), -(cos_i + cos_r)
     factor = (1 + sin_i * sin_r + cos_i * cos_r) ** 2 / (w**2 * cos_r)
+
+    def power(views, k):
+        P = (window * np.exp(1j * k * (u[views, None] * x + w[views, None] * line))).sum(axis=1)
+        P = P * np.exp(1j * k * np.outer(u[views], np.arange(copies)) * line.size * dx).sum(axis=1)
+        return factor[views] * np.abs(P) ** 2
+
     periods = []
     for wavelength in WAVELENGTHS:
         k = 2 * np.pi / wavelength
-        P = (window * np.exp(1j * k * (u[:, None] * x + w[:, None] * line))).sum(axis=1)
-        P = P * np.exp(1j * k * np.outer(u, np.arange(copies)) * line.size * dx).sum(axis=1)
-        best = (factor * np.abs(P) ** 2).argmax()
+        # Every fifth view first; lobes are wider than that.
+        coarse = 5 * power(np.arange(0, VIEWS.size, 5), k).argmax()
+        near = np.arange(max(coarse - 8, 0), min(coarse + 9, VIEWS.size))
+        best = near[power(near, k).argmax()]
         periods.append(1e9 * wavelength / (sin_i + sin_r[best]))
     return np.mean(periods), np.var(periods)
 
