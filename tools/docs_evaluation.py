@@ -10,18 +10,27 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tools")]
 
 from fill_page import fill  # noqa: E402
 
+from precompute.atomic import atomic_path  # noqa: E402
+
 PAGE = ROOT / "docs" / "evaluation.md"
 PICTURES = ROOT / "docs" / "pictures"
 CHAPTERS = ("reflectance", "terms", "coherence", "methods", "maps")
 
 
+#: Largest picture of a page, bytes.
+LIMIT = 300_000
+
+
 def shrink(path):
-    """A palette of 256 colours: a third of the bytes, and no eye sees it."""
+    """Give a picture that is too large a palette of 256 colours: a third of the bytes, at the price of fine gradients."""
     from PIL import Image
 
+    if path.stat().st_size <= LIMIT:
+        return
     with Image.open(path) as image:
         small = image.convert("RGB").quantize(256, dither=Image.Dither.NONE)
-    small.save(path, optimize=True)
+    with atomic_path(path) as temporary:
+        small.save(temporary, format="PNG", optimize=True)
 
 
 def main(chapters):

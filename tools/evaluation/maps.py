@@ -14,7 +14,7 @@ from precompute.presets import PRESETS, make_preset
 
 from .common import new_figure, scans
 
-_PIXELS = 176
+_PIXELS = 200
 _COLUMNS = 5
 
 
@@ -31,7 +31,8 @@ def _row(name, field, made, seconds):
         f"{cols} x {rows}",
         f"{1e9 * np.ptp(field.heights):.0f}",
         made.info["terms"],
-        f"{made.atlas.nbytes * made.atlas.dtype.type(0).itemsize // made.atlas.itemsize / 1e6:.0f}",
+        # Three half floats a texel, as a renderer loads them.
+        f"{2 * made.atlas.size / 1e6:.0f}",
         f"{seconds:.1f}",
         f"{made.info['albedo_max']:.2f}",
     ]
@@ -44,7 +45,7 @@ def _draw(baked, path, columns):
     """Light from 20 degrees, from the lower left."""
     wi = from_angles(np.radians(20.0), np.radians(225.0))
     lines = -(-len(baked) // columns)
-    figure = new_figure(1.9 * columns, 2.1 * lines)
+    figure = new_figure(2.2 * columns, 2.4 * lines)
     axes = np.atleast_1d(figure.subplots(lines, columns, squeeze=False)).ravel()
     for axis in axes:
         axis.axis("off")
