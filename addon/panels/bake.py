@@ -8,7 +8,7 @@ import bpy
 from .. import bake_settings, estimates, paths, progress
 from ..operators.setting_presets import DIFFRACTION_MT_bake_presets
 from ..table_state import NONE, READY, TableState, table_state
-from .sidebar import Sidebar, Stage, duration, file_name, megabytes, note, split
+from .sidebar import Sidebar, Stage, duration, file_name, megabytes, note, split, vector
 
 
 class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
@@ -26,9 +26,12 @@ class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None
-        width = "replicas" if state.ensemble == "periodic" else "sigma_s_um"
-        for name in ("ensemble", width, "detail"):
-            column.prop(state, name)
+        column.prop(state, "ensemble")
+        if state.ensemble == "periodic":
+            vector(column, state, "replicas")
+        else:
+            column.prop(state, "sigma_s_um")
+        column.prop(state, "detail")
         if state.scan_path:
             _estimate(layout, context.scene)
         now = progress.running()

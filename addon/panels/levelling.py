@@ -7,7 +7,7 @@ import bpy
 
 from .. import estimates, pictures, progress
 from ..operators.preview_levelling import IMAGE
-from .sidebar import Stage, note, split
+from .sidebar import Stage, note, split, vector
 
 
 class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
@@ -23,7 +23,7 @@ class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
         for name in ("level", "align_rows", "clip_percent", "smooth_nm", "tile", "use_crop"):
             column.prop(state, name)
         if state.use_crop:
-            column.prop(state, "crop_um")
+            vector(column, state, "crop_um")
         layout.operator("diffraction.preview_levelling", icon="HIDE_OFF")
         icon = pictures.preview_icon(IMAGE)
         if icon:

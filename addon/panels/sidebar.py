@@ -34,6 +34,13 @@ def split(layout: bpy.types.UILayout) -> bpy.types.UILayout:
     return layout
 
 
+def vector(layout: bpy.types.UILayout, owner: bpy.types.bpy_struct, name: str) -> None:
+    """Several numbers under one label; split into label and column they would have a line each."""
+    column = layout.column()
+    column.use_property_split = False
+    column.prop(owner, name)
+
+
 def note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
     """A sentence, wrapped; its icon stands before the first line."""
     column = layout.column(align=True)

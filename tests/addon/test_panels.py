@@ -142,6 +142,31 @@ def test_with_a_scan(project):
     everything()
 
 
+def test_with_the_stored_scan_missing(project):
+    """A preset has no other origin: panel and button say that it is gone."""
+    state = preset()
+    Path(bpy.path.abspath(state.scan_path)).unlink()
+    assert "The stored scan is missing" in words(shown("scan"))
+    from diffraction_shader.addon import estimates
+
+    assert "import it again" in estimates.estimate(bpy.context.scene, wait=True).error
+    assert "import it again" in words(shown("bake"))
+    with pytest.raises(RuntimeError, match="is gone"):
+        bpy.ops.diffraction.bake()
+    everything()
+
+
+@pytest.mark.parametrize("ensemble", ["average", "single", "periodic"])
+def test_every_ensemble_has_an_estimate(project, ensemble):
+    from diffraction_shader.addon import estimates
+
+    state = preset()
+    state.ensemble, state.detail = ensemble, 0.25
+    found = estimates.estimate(bpy.context.scene, wait=True)
+    assert found.error == "" and found.cost.seconds > 0.0 and found.cost.memory_bytes > found.cost.texel_bytes
+    everything()
+
+
 def test_units_are_in_the_labels(project):
     preset()
     text = everything()
@@ -230,6 +255,7 @@ def test_crop_smooth_and_tile_reach_the_core(project):
     chosen = bake_settings.parameters(state)
     assert chosen.crop_m == pytest.approx((1e-6, 6e-6, 2e-6, 7.5e-6), rel=1e-12)
     assert (chosen.smooth_m, chosen.tile, chosen.clip_percent) == (pytest.approx(25e-9), "blend", 99.9)
+    assert "Rectangle (um)" in shown("levelling")
     state.crop_um = (6.0, 1.0, 2.0, 7.0)
     assert "left < right" in words(shown("bake"))
     with pytest.raises(RuntimeError, match="left < right"):
