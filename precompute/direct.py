@@ -151,6 +151,13 @@ class DirectEvaluator:
         return next((step for step in _STEPS_M if step <= need), need)
 
 
+def check_wavelength(wavelength_m: float) -> float:
+    """A usable wavelength in metres, or ParameterError."""
+    if not (np.isfinite(wavelength_m) and wavelength_m > 0):
+        raise ParameterError(f"A wavelength of {wavelength_m * 1e9:g} nm makes no sense; give a positive number.")
+    return float(wavelength_m)
+
+
 def direct_f(
     field: HeightField,
     sigma_s_m: float,
@@ -185,8 +192,7 @@ def direct_f(
     ndarray
         ``(...)``; 0 where a direction is not above the surface.
     """
-    if not (np.isfinite(wavelength_m) and wavelength_m > 0):
-        raise ParameterError(f"A wavelength of {wavelength_m * 1e9:g} nm makes no sense; give a positive number.")
+    check_wavelength(wavelength_m)
     evaluator = DirectEvaluator(field, sigma_s_m, ensemble, dtype)
     scale = _scale(evaluator, normalisation)
     wi, wr = np.broadcast_arrays(np.asarray(wi, float), np.asarray(wr, float))

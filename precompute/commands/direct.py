@@ -12,6 +12,7 @@ import numpy as np
 from ..methods import METHODS
 from ..parameters import BakeParameters
 from . import options
+from .method_facts import method_lines
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,6 +54,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str, Any]:
     """The same by a method with one coherence window, or by copies of the scan (pq)."""
     from ..brdf import geometry_factor, relative_factor
+    from ..direct import check_wavelength
     from ..directions import uvw
     from ..errors import ParameterError
     from ..methods import make_method
@@ -70,7 +72,7 @@ def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str
         step = STEP_M if args.step_nm is None else args.step_nm * 1e-9
         xyz = method_xyz(made, wi, wr, parameters.illuminant, step, args.normalisation)
         return {"xyz": xyz.tolist(), **made.facts}
-    wavelength = args.wavelength_nm * 1e-9
+    wavelength = check_wavelength(args.wavelength_nm * 1e-9)
     factor = float(geometry_factor(wi, wr))
     f = factor * float(made.transform(*uvw(wi, wr), wavelength)) if factor > 0 else 0.0
     if args.normalisation == "relative":
@@ -79,7 +81,6 @@ def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str
 
 
 def describe(result: dict[str, Any]) -> str:
-    """One line."""
-    if "f" in result:
-        return f"f  {result['f']:.6g}"
-    return "XYZ  " + "  ".join(f"{value:.6g}" for value in result["xyz"])
+    """The value, and what a method took for it."""
+    value = f"f  {result['f']:.6g}" if "f" in result else "XYZ  " + "  ".join(f"{x:.6g}" for x in result["xyz"])
+    return "\n".join([value, *method_lines(result)])

@@ -10,6 +10,7 @@ import numpy as np
 
 from ..methods import METHODS
 from . import options
+from .method_facts import method_lines
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -132,13 +133,7 @@ def _lattice(patch) -> list[dict[str, float]]:
 
 def describe(result: dict[str, Any]) -> str:
     """The statistics, what the method cost, and the periods of the heights."""
-    lines = [
-        f"period    {result['mean_nm']:.3f} nm, variance {result['variance_nm2']:.4g} nm2",
-        f"method    {result['method']}"
-        + "".join(f", {k} {result[k]}" for k in ("series", "terms", "neighbours", "replicas", "pixels") if k in result),
-    ]
-    if "bound" in result:
-        lines.append(f"Taylor    x = {result['x']:.3f}, N = {result['terms'] - 1}, error at most {result['bound']:.2g}")
+    lines = [f"period    {result['mean_nm']:.3f} nm, variance {result['variance_nm2']:.4g} nm2", *method_lines(result)]
     lines += [
         f"lattice   {vector['spacing_nm']:.1f} nm along {vector['phi_deg']:.1f} deg" for vector in result["lattice"]
     ]

@@ -40,7 +40,7 @@ def check_single_precision(field: HeightField, tolerance: float) -> None:
         raise ParameterError(
             f"Single precision cannot reach the tolerance {tolerance:g}: at kappa h = {x:.1f} the Taylor terms grow to"
             f" {math.exp(min(x, 80.0)):.1e} and leave an error of {reachable:.1e}; level and clip the scan, allow"
-            f" {reachable:.0e}, or use the method 'windowed'."
+            f" {2 * reachable:.0e}, or use the method 'windowed'."
         )
 
 

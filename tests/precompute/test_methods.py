@@ -254,3 +254,20 @@ def test_command_line_takes_a_method(tmp_path, capsys):
     assert main(["direct", path, *angles, "--method", "flss"]) == 2
     assert "--ensemble single" in capsys.readouterr().err
     assert main(["direct", path, *angles, "--method", "pq", "--replicas", "2", "3", "--wavelength-nm", "500"]) == 0
+    capsys.readouterr()
+    assert main(["direct", path, *angles, "--method", "pq", "--wavelength-nm", "-3"]) == 2
+    assert capsys.readouterr().err.strip().endswith(".")
+
+
+def test_command_line_shows_the_chosen_order_and_its_bound(tmp_path, capsys):
+    from precompute.cli import main
+
+    path = str(tmp_path / "grating.gsf")
+    main(["preset", "sinusoid", "--out", path, "--size-um", "8", "--pixels", "100"])
+    options = ("--ensemble", "single", "--method", "windowed", "--series", "taylor", "--wavelength-nm", "500")
+    capsys.readouterr()
+    assert main(["direct", path, "--wi", "0", "0", "--wr", "10", "0", *options]) == 0
+    shown = capsys.readouterr().out
+    # x = 4 pi / 380 nm times the 50 nm of the preset's amplitude, met within a pixel.
+    assert "x = 1.65" in shown
+    assert "error at most" in shown
