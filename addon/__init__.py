@@ -3,9 +3,9 @@
 
 
 def _parts():
-    from . import estimates, handlers, operators, panels, properties, travel, viewport
+    from . import estimates, handlers, operators, panels, preferences, properties, travel, viewport
 
-    return properties, operators, panels, travel, handlers, viewport, estimates
+    return preferences, properties, operators, panels, travel, handlers, viewport, estimates
 
 
 def register() -> None:

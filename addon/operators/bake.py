@@ -9,6 +9,7 @@ from bpy.props import StringProperty
 from ...precompute.errors import DiffractionError
 from .. import bake_settings, estimates, paths, properties, recipe, scan_store, travel
 from ..bake_job import BakeJob
+from ..preferences import table_cache
 from .threaded import Threaded, busy
 
 
@@ -52,7 +53,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         scan_store.bring_here(context.scene)
         source, reading = scan_store.bake_source(context.scene)
         name = self.name or state.table_name or paths.absolute(state.scan_path).stem
-        return [BakeJob(source, paths.data_folder(), name, chosen, reading)]
+        return [BakeJob(source, paths.data_folder(), name, chosen, reading, table_cache())]
 
     def finished(self, context, results):
         """The table becomes the scene's, and materials that use it are brought up to it."""
