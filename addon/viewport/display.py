@@ -136,13 +136,18 @@ class Display:
                 self._set(wanted, make_cube(scene))
             else:
                 self._make_soon(scene)
+        return self.any()
+
+    def any(self):
+        """The texture as it is: for drawings that need one bound and do not look at it."""
         if self._texture is None:
             self._texture = _upload(plain_cube())
         return self._texture
 
     def clear(self) -> None:
-        """Let go of the texture."""
+        """Let go of the texture; another file also lets go of what waits to make one."""
         self._signature = self._texture = None
+        self._waiting = False
 
     def _set(self, signature_: tuple, cube: np.ndarray) -> None:
         self._texture, self._signature = _upload(cube), signature_

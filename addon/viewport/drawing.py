@@ -149,7 +149,8 @@ class Renderer:
         try:
             shader.bind()
             shader.uniform_block("df_frame", self._uniform(("frame",), frame.rows()))
-            shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
+            display = self.display.texture(depsgraph.scene.original) if through_display else self.display.any()
+            shader.uniform_sampler("df_display", display)
             bound = None
             for item in listing.items:
                 if item.material != bound:
