@@ -22,7 +22,7 @@ LIMIT = 300_000
 
 
 def shrink(path):
-    """Give a picture that is too large a palette of 256 colours: a third of the bytes, at the price of fine gradients."""
+    """Give a picture that is too large a palette of 256 colours: a third of the bytes for some fine gradients."""
     from PIL import Image
 
     if path.stat().st_size <= LIMIT:

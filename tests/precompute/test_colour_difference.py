@@ -65,7 +65,7 @@ def test_methods_agree_on_the_snake():
     exposure = exposure_of(whole)
     # Every direction on the disc may be drawn; those where the map is black by sheer distance say nothing.
     seen = np.nonzero(exposure * whole[:, 1] > 1e-3)[0]
-    chosen = np.random.default_rng(5).choice(seen, 50, replace=False)
+    chosen = np.random.default_rng(5).choice(seen, 30, replace=False)
     wr = directions[inside][chosen]
     reference = direct_xyz(field, sigma, "single", wi, wr)
     windowed = method_xyz(make_method("windowed", field, sigma), wi, wr, step_m=2.5e-9)
