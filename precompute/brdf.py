@@ -152,7 +152,7 @@ def coherence_area(shape: tuple[int, int], dx: float, dy: float, sigma_s_m: floa
     return float(area)
 
 
-def relative_factor(wi: np.ndarray, wr: np.ndarray, wavelength_m: np.ndarray, area_m2: float) -> np.ndarray:
+def relative_factor(wi: np.ndarray, wr: np.ndarray, wavelength_m: np.ndarray | float, area_m2: float) -> np.ndarray:
     """What the absolute BRDF at one wavelength, with R = 1, is multiplied by to give the relative one: rho / f.
 
     ``rho = C <|P|^2>`` with C as in the module's head (R / R0 = 1; multiply by it for a real surface), so

@@ -200,7 +200,7 @@ def direct_f(
     result = np.zeros(factor.shape)
     for index in np.ndindex(factor.shape):
         if factor[index] > 0:
-            u, v, w = uvw(wi[index], wr[index])
+            u, v, w = (float(x) for x in uvw(wi[index], wr[index]))
             result[index] = factor[index] * evaluator.transform(u, v, w, wavelength_m)
     return result
 
@@ -240,7 +240,7 @@ def direct_xyz(
     result = np.zeros((*factor.shape, 3))
     for index in np.ndindex(factor.shape):
         if factor[index] > 0:
-            u, v, w = uvw(wi[index], wr[index])
+            u, v, w = (float(x) for x in uvw(wi[index], wr[index]))
             step = evaluator.wavelength_step(u, v, w) if step_m is None else step_m
             wavelengths, weights = spectral_weights(illuminant=illuminant, step_m=step)
             spectrum = np.array([evaluator.transform(u, v, w, lam) for lam in wavelengths])

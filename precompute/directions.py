@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 
-def from_angles(theta: np.ndarray, phi: np.ndarray) -> np.ndarray:
+def from_angles(theta: np.ndarray | float, phi: np.ndarray | float) -> np.ndarray:
     """Unit vectors ``(..., 3)`` of polar angles ``theta`` from the normal and azimuths ``phi`` from the tangent.
 
     Both in radians; a negative ``theta`` lies on the opposite side of the normal.

@@ -42,7 +42,7 @@ def add_scan(parser: argparse.ArgumentParser, several: bool = False) -> None:
     parser.add_argument("--channel", help="name or number of the channel; the height channel by default")
 
 
-def scan_reading(args: argparse.Namespace) -> dict[str, object]:
+def scan_reading(args: argparse.Namespace) -> dict[str, Any]:
     """Keyword arguments of `precompute.readers.read_scan`."""
     return {
         "size_m": None if args.size_um is None else tuple(x * 1e-6 for x in args.size_um),
@@ -94,7 +94,7 @@ def add_replicas(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
 
 
-def bake_parameters(args: argparse.Namespace, **more: object) -> BakeParameters:
+def bake_parameters(args: argparse.Namespace, **more: Any) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
     if "replicas" in args and args.ensemble == "periodic":
         more.setdefault("replicas", tuple(args.replicas))
