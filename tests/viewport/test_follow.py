@@ -240,3 +240,18 @@ def test_lamp_in_a_collection_that_an_empty_shows(renderer, sphere):
     bpy.context.scene.collection.objects.link(empty)
     assert drawing.alone(renderer) == pytest.approx(first, rel=1e-3, abs=1e-4)
     assert not np.allclose(studio, first, rtol=0.1)
+
+
+def test_materials_of_nodes_are_drawn_unless_eevee_shows_them(renderer, sphere, tmp_path):
+    first = drawing.alone(renderer)
+    sphere.data.materials.clear()
+    scene.give_material(sphere, tmp_path / "table.exr", fresnel="NONE", implementation="NODES")
+    assert drawing.alone(renderer) == pytest.approx(first, rel=1e-4, abs=1e-5)
+
+    from diffraction_shader.addon.viewport import looks
+
+    view, projection = drawing.eye(16)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    for surface, count in (("ADD", 0), ("REPLACE", 1)):
+        look = looks.View(surface=surface)
+        assert renderer.draw(depsgraph, view, projection, look, False, lambda ob: True, skips_nodes=True) == count
