@@ -3,7 +3,6 @@
 
 import io
 import os
-import resource
 import struct
 import tempfile
 import time
@@ -16,6 +15,7 @@ import pytest
 from precompute.errors import DiffractionError
 from precompute.readers import read_scan
 from tests import scan_files
+from tests.peak_memory import PeakMemory
 
 HEIGHTS = np.linspace(0.3e-6, 0.7e-6, 30).reshape(5, 6)
 SIZE = (6e-6, 10e-6)
@@ -94,15 +94,16 @@ def test_mutated_files(tmp_path, name, count):
 def test_mutated_images(tmp_path, extension, count):
     good, path, rng = image(extension), tmp_path / f"scan{extension}", np.random.default_rng(2)
     outcomes, slowest = set(), 0.0
-    for _ in range(count):
-        path.write_bytes(mutated(good, rng))
-        start = time.perf_counter()
-        outcomes.add(outcome(path, size_m=SIZE, height_m=1e-6))
-        slowest = max(slowest, time.perf_counter() - start)
+    with PeakMemory() as memory:
+        for _ in range(count):
+            path.write_bytes(mutated(good, rng))
+            start = time.perf_counter()
+            outcomes.add(outcome(path, size_m=SIZE, height_m=1e-6))
+            slowest = max(slowest, time.perf_counter() - start)
     assert outcomes - {"read"}
     assert not any("\n" in sentence for sentence in outcomes)
     assert slowest < 5.0
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1 << 20  # 1 GB, in KiB on Linux
+    assert memory.grown < 1 << 30
 
 
 @pytest.mark.parametrize(("tag", "value"), [(277, 55041), (279, 2**32 - 1), (278, 2**31), (257, 2**30)])
@@ -116,9 +117,9 @@ def test_tiff_counts_are_refused_before_allocation(tmp_path, tag, value):
             struct.pack_into("<I", data, at + 8, value)
     path = tmp_path / "scan.tif"
     path.write_bytes(bytes(data))
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    outcome(path, size_m=SIZE, height_m=1e-6)
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100 * 1024
+    with PeakMemory() as memory:
+        outcome(path, size_m=SIZE, height_m=1e-6)
+    assert memory.grown < 100 << 20
 
 
 def test_libraries_keep_their_remarks_to_themselves(tmp_path, capfd):
@@ -149,9 +150,9 @@ def huge(name):
 def test_declared_sizes_are_refused_before_allocation(tmp_path, name):
     path = tmp_path / f"scan{scan_files.WRITERS[name][1]}"
     path.write_bytes(huge(name))
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    assert outcome(path) != "read"
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 100 * 1024  # KiB on Linux
+    with PeakMemory() as memory:
+        assert outcome(path) != "read"
+    assert memory.grown < 100 << 20
 
 
 def archive(members):
@@ -189,9 +190,9 @@ def test_a_lying_zip_directory_unpacks_no_more_than_fits(tmp_path):
     while (at := bomb.find(size)) >= 0:
         bomb[at : at + 4] = struct.pack("<I", 100)
     (tmp_path / "scan.x3p").write_bytes(bytes(bomb))
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    assert outcome(tmp_path / "scan.x3p") != "read"
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 40 * 1024
+    with PeakMemory() as memory:
+        assert outcome(tmp_path / "scan.x3p") != "read"
+    assert memory.grown < 40 << 20
 
 
 def test_paths_inside_an_archive_cannot_leave_it(tmp_path):

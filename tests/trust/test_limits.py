@@ -2,7 +2,6 @@
 """Memory: told before it is taken, and refused in a sentence where there is not enough."""
 
 import json
-import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +16,7 @@ from precompute.errors import DiffractionError, SizeLimitError
 from precompute.gsf import write_gsf
 from precompute.heightfield import HeightField
 from precompute.parameters import BakeParameters
+from tests.peak_memory import PeakMemory
 from tests.trust.tables import small_scan
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[2]
     [
         (48, 60e-9, 0.5e-6, "average", "nodes", 20e-9),
         (500, 50e-9, 4e-6, "average", "nodes", 400e-9),
-        (400, 65e-9, 6e-6, "single", "nodes", 100e-9),
+        pytest.param(400, 65e-9, 6e-6, "single", "nodes", 100e-9, marks=pytest.mark.slow),
         pytest.param(1332, 48.8e-9, 6.5e-6, "average", "nodes", 200e-9, marks=pytest.mark.slow),
         pytest.param(600, 50e-9, 4e-6, "average", "chebyshev", 100e-9, marks=pytest.mark.slow),
         pytest.param(600, 65e-9, 10e-6, "single", "nodes", 100e-9, marks=pytest.mark.slow),
@@ -56,16 +56,17 @@ print(json.dumps([told, peak_rss_bytes()]))
     done = subprocess.run([sys.executable, "-c", program, case], cwd=ROOT, capture_output=True, text=True, check=True)
     told, peak = json.loads(done.stdout)
     assert len(told) == 2 and told[0] <= told[1]
-    assert told[1] == pytest.approx(peak, rel=0.3)
+    # What the libraries take differs by some tens of megabytes with their versions and with the number of cores.
+    assert told[1] == pytest.approx(peak, rel=0.3, abs=80e6)
 
 
 def test_too_little_memory_is_refused_before_the_allocation():
-    """A 3000 x 3000 scan takes about a gigabyte; the refusal takes nothing."""
-    scan = HeightField(np.zeros((3000, 3000)), 50e-9, 50e-9)
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    with pytest.raises(SizeLimitError, match=r"about \d\.\d\d GB of memory and 0\.30 GB are free"):
+    """A 3000 x 3000 scan takes about a gigabyte; the refusal takes no more than a copy of its heights (72 MB)."""
+    scan = HeightField(np.full((3000, 3000), 1e-9), 50e-9, 50e-9)  # resident already
+    refused = pytest.raises(SizeLimitError, match=r"about \d\.\d\d GB of memory and 0\.30 GB are free")
+    with PeakMemory() as peak, refused:
         bake(scan, BakeParameters(), memory_bytes=300_000_000)
-    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 50 * 1024  # KiB on Linux
+    assert peak.grown < 80e6
 
 
 def test_a_scan_that_would_be_refined_is_refused_before_it_is():
