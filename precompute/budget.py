@@ -17,7 +17,7 @@ from .resample import refine_factors
 from .series import bessel_order
 
 #: Libraries, and what the many small arrays take.
-_BASE_BYTES = 190e6
+_BASE_BYTES = 165e6
 
 #: Wavelengths of the colour integral (380 to 780 nm), each with 4 taps: at most so many frequencies a radius.
 _TAPS_A_RADIUS = 84
@@ -40,7 +40,8 @@ def check_scale(scan: HeightField, sigma_s_m: float) -> None:
     if not all(_SMALLEST_SIDE <= side <= _LARGEST_SIDE for side in scan.size_m):
         x, y = scan.size_m
         raise ScanError(f"The scan is {x:.3g} m x {y:.3g} m large; check the unit of its size.")
-    relief = float(scan.valid.max()) - float(scan.valid.min())
+    valid = ~scan.missing  # no copy of the heights: a large scan is checked here before anything else
+    relief = float(scan.heights.max(where=valid, initial=-math.inf) - scan.heights.min(where=valid, initial=math.inf))
     if not relief <= _LARGEST_RELIEF:
         raise ScanError(f"The heights of the scan span {relief:.3g} m; check their unit.")
     if not _SMALLEST_SIGMA <= sigma_s_m <= _LARGEST_SIGMA:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 import json
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -65,7 +65,7 @@ class Outcome:
 def make_tasks(
     paths: Sequence[str | os.PathLike[str]],
     base: BakeParameters,
-    values: dict[str, Sequence[Any]],
+    values: Mapping[str, Sequence[Any]],
     reading: dict[str, Any] | None = None,
 ) -> list[Task]:
     """All combinations of scans and parameter values.
@@ -249,8 +249,8 @@ def _on_dask(
             future = client.submit(bake_task, task, *rest, retries=retries, pure=False, key=f"bake-{task.name}")
             names[future] = task.name
         for future in as_completed(names):
-            error = future.exception()
-            yield future.result() if error is None else Outcome(names[future], "failed", error=_sentence(error))
+            failure = future.exception()
+            yield future.result() if failure is None else Outcome(names[future], "failed", error=_sentence(failure))
 
 
 def _sentence(error: BaseException) -> str:

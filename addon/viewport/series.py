@@ -122,6 +122,8 @@ class SeriesTextures:
         if held is None or held.stamp != stamp:
             self._held.pop(path, None)
             terms = load_terms(folder)
+            if terms.key and terms.key != info.get("key", terms.key):
+                raise TableError(f"The series terms beside {path.name} are of another bake; bake the scan again.")
             # The window of the thesis, whatever the table was baked with.
             sigma = info["parameters"]["sigma_s_m"] if info["parameters"]["ensemble"] == "single" else None
             block = rows(
