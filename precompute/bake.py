@@ -215,6 +215,7 @@ def _bake(
     sigma_s = resolve_sigma_s(patch, parameters)
     layout = estimate(patch, parameters)
     check_bake(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK, memory_bytes)
+    stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.04)
     stages.done("prepare")
     # colour-science takes longer to import than a transform takes: it loads while the transforms run.
     with ThreadPoolExecutor(1) as background:

@@ -68,6 +68,8 @@ def test_bake_reports_and_defaults_are_as_documented(run, grating, tmp_path):
     assert data["seconds"]["total"] > 0 and len(data["seconds"]) > 3
     assert data["peak_rss_bytes"] is None or data["peak_rss_bytes"] > 1e7
     assert "%" in err  # progress goes to stderr
+    told = err.index(f"{data['bytes'] / 1e6:.0f} MB of texels")
+    assert told < err.index("transforms")  # the size is told before the work
 
 
 def test_command_line_and_python_give_the_same_bytes(run, grating, tmp_path):
