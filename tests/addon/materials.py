@@ -14,7 +14,12 @@ def diffracting(ob, table_path, implementation="OSL", pigment=(0, 0, 0, 1), **se
     bpy.context.view_layer.update()
     made = bpy.data.materials.new(ob.name)
     made.node_tree.nodes.clear()
-    material.apply(made, table_path, material.Settings(implementation=implementation, **settings), lights.lamp_objects(bpy.context.scene))
+    material.apply(
+        made,
+        table_path,
+        material.Settings(implementation=implementation, **settings),
+        lights.lamp_objects(bpy.context.scene),
+    )
     made.node_tree.nodes["Pigment"].inputs["Color"].default_value = pigment
     ob.data.materials.clear()
     ob.data.materials.append(made)
