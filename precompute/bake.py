@@ -17,6 +17,7 @@ from .balance import balance
 from .budget import check_bake, check_scan
 from .cache import TableCache, origin, table_key
 from .colour import spectral_weights, white_xyz
+from .constants import W_MAX, WAVELENGTH_MIN_M
 from .errors import ScanError, SizeLimitError
 from .heightfield import HeightField
 from .intensity import PolarIntensity, workers
@@ -25,7 +26,7 @@ from .parameters import BakeParameters
 from .plan import plan_layout
 from .prepare import prepare
 from .readers import read_scan
-from .series import bessel_order, chebyshev_nodes
+from .series import bessel_order, chebyshev_nodes, check_single_precision
 from .spectral_sum import SpectralSum
 from .table import SpectralTable
 from .window import default_sigma_s
@@ -215,6 +216,8 @@ def _bake(
     sigma_s = resolve_sigma_s(patch, parameters)
     layout = estimate(patch, parameters)
     check_bake(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK, memory_bytes)
+    x = 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M * 0.5 * float(np.ptp(patch.heights))
+    check_single_precision(parameters.series, x, parameters.tolerance)
     stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.04)
     stages.done("prepare")
     # colour-science takes longer to import than a transform takes: it loads while the transforms run.

@@ -55,6 +55,34 @@ def taylor_order(x: float, tolerance: float) -> int:
     raise ParameterError(f"The Taylor series needs more than {TERMS_MAX} terms; use the series 'nodes'.")
 
 
+def single_precision_floor(method: str, x: float) -> float:
+    """Error that single precision leaves in p at ``kappa h = x``.
+
+    Taylor terms are summed with weights up to e^x, which multiplies the rounding error 2^-24 of each stored
+    value; the weights of the other methods are at most 2.
+    """
+    return math.exp(min(x, 600.0)) * 2.0**-24 if method == "taylor" else 8.0 * 2.0**-24
+
+
+def check_single_precision(method: str, x: float, tolerance: float) -> None:
+    """Refuse a tolerance that terms stored as float32 textures, or transforms in single precision, cannot reach.
+
+    Raises
+    ------
+    ParameterError
+        With the reason and the smallest tolerance that can be reached.
+    """
+    floor = single_precision_floor(method, x)
+    if floor <= tolerance:
+        return
+    reason = f"its terms grow to {math.exp(min(x, 600.0)):.1e} and" if method == "taylor" else "its values"
+    way_out = "take the series 'chebyshev' or 'nodes', level the scan" if method == "taylor" else "ask for less"
+    raise ParameterError(
+        f"The series '{method}' cannot reach the tolerance {tolerance:g}: at kappa h = {x:.1f} {reason} are stored in"
+        f" single precision, which leaves an error of {floor:.1e}; {way_out}, or allow at least that."
+    )
+
+
 def bessel_order(x: float, tolerance: float) -> int:
     """Smallest N with ``2 sum_{n > N} |J_n(x)| <= tolerance``: the remainder of the Jacobi-Anger series.
 

@@ -24,7 +24,7 @@ from .exr import write_image
 from .heightfield import HeightField
 from .output_folder import ensure_folder
 from .parameters import BakeParameters
-from .series import Series, term_weight
+from .series import Series, check_single_precision, term_weight
 
 
 @dataclass(frozen=True)
@@ -78,6 +78,7 @@ def _series(field: HeightField, parameters: BakeParameters) -> tuple[Series, np.
         return ifft2(p, norm="forward")[np.ix_(index_y, index_x)]
 
     kappa_max = 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M
+    check_single_precision(parameters.series, 0.5 * kappa_max * float(np.ptp(field.heights)), parameters.tolerance)
     ones = np.ones((1, 1))
     return Series(field.heights, ones, kappa_max, parameters.series, parameters.tolerance, transform), fx, fy
 
