@@ -3,7 +3,7 @@
 
 Terms are single-precision textures of the patch's own DFT bins, as a fragment shader reads them. Two things are
 corrected: the window's transform is normalised (eq. 3.30), and the square is taken after the sum (eq. 3.32).
-``shaders/flss.frag.glsl`` is the same loop on a GPU, run by ``addon/flss_gpu.py``.
+``shaders/flss.glsl`` is the same loop on a GPU, drawn by ``addon/viewport/``.
 """
 
 from __future__ import annotations
