@@ -17,7 +17,7 @@ from .balance import balance
 from .budget import check_bake, check_scan
 from .cache import TableCache, origin, table_key
 from .colour import spectral_weights, white_xyz
-from .constants import W_MAX, WAVELENGTH_MIN_M
+from .constants import KAPPA_MAX
 from .errors import ScanError, SizeLimitError
 from .heightfield import HeightField
 from .intensity import PolarIntensity, workers
@@ -26,7 +26,7 @@ from .parameters import BakeParameters
 from .plan import plan_layout
 from .prepare import prepare
 from .readers import read_scan
-from .series import bessel_order, chebyshev_nodes, check_single_precision
+from .series import chebyshev_nodes, check_single_precision, node_count
 from .spectral_sum import SpectralSum
 from .table import SpectralTable
 from .window import default_sigma_s
@@ -216,7 +216,7 @@ def _bake(
     sigma_s = resolve_sigma_s(patch, parameters)
     layout = estimate(patch, parameters)
     check_bake(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK, memory_bytes)
-    x = 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M * 0.5 * float(np.ptp(patch.heights))
+    x = KAPPA_MAX * 0.5 * float(np.ptp(patch.heights))
     check_single_precision(parameters.series, x, parameters.tolerance)
     stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.04)
     stages.done("prepare")
@@ -224,15 +224,13 @@ def _bake(
     with ThreadPoolExecutor(1) as background:
         colours = background.submit(_colours, parameters.illuminant)
         polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance)
-        kappa_max = polar.series.kappa_max
-        count = bessel_order(kappa_max * polar.series.half_range, parameters.tolerance) + 1
-        nodes = chebyshev_nodes(kappa_max, max(count, 4))
+        nodes = chebyshev_nodes(KAPPA_MAX, node_count(x, parameters.tolerance))
         coefficients = polar.coefficients(nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
         stages.done("transforms")
         wavelengths, weights, white = colours.result()
         stages.done("colour")
 
-    total = SpectralSum(polar.frequencies, nodes, kappa_max, layout.radii, layout.slices, wavelengths, weights)
+    total = SpectralSum(polar.frequencies, nodes, KAPPA_MAX, layout.radii, layout.slices, wavelengths, weights)
     transform = _integrate(polar, coefficients, total, layout, stages)
     del coefficients
     stages.done("spectral sum")

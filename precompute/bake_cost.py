@@ -3,17 +3,16 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 from .bake import ANGLES_A_BLOCK, estimate, resolve_sigma_s
 from .budget import bake_bytes
-from .constants import W_MAX, WAVELENGTH_MIN_M
+from .constants import KAPPA_MAX
 from .heightfield import HeightField
 from .intensity import LAG_CUT
 from .layout import TableLayout
 from .parameters import BakeParameters
-from .series import bessel_order
+from .series import node_count
 
 #: Seconds a padded pixel and node of kappa (transforms), a texel and node (spectral sum), and for
 #: everything else, libraries among it. Fitted to bakes of six scans on two cores of 2.5 GHz.
@@ -76,8 +75,7 @@ def bake_cost(patch: HeightField, parameters: BakeParameters) -> BakeCost:
     layout = estimate(patch, parameters)
     sigma_s = resolve_sigma_s(patch, parameters)
     half_range = 0.5 * float(patch.heights.max() - patch.heights.min())
-    kappa_max = 2.0 * math.pi * W_MAX / WAVELENGTH_MIN_M
-    nodes = max(bessel_order(kappa_max * half_range, parameters.tolerance) + 1, 4)
+    nodes = node_count(KAPPA_MAX * half_range, parameters.tolerance)
 
     padded = 1.0
     for side, pixels in zip(patch.size_m, patch.shape[::-1], strict=True):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 
 from .albedo import SECTORS
-from .constants import W_MAX, WAVELENGTH_MIN_M
+from .constants import FREQUENCY_MAX, KAPPA_MAX
 from .errors import ParameterError, ScanError, SizeLimitError
 from .heightfield import HeightField
 from .intensity import RADIAL_STEP, _Axis, lobe_width, workers
@@ -14,7 +14,7 @@ from .layout import TableLayout
 from .memory import available_bytes
 from .parameters import BakeParameters
 from .resample import refine_factors
-from .series import bessel_order
+from .series import node_count
 
 #: Libraries, and what the many small arrays take.
 _BASE_BYTES = 165e6
@@ -83,14 +83,14 @@ def bake_bytes(
 ) -> float:
     """Peak of a whole bake of a prepared patch, in bytes."""
     rows, cols = field.shape
-    x = 2.0 * math.pi * W_MAX / WAVELENGTH_MIN_M * 0.5 * float(field.heights.max() - field.heights.min())
-    nodes = max(bessel_order(x, parameters.tolerance) + 1, 4)
+    x = KAPPA_MAX * 0.5 * float(field.heights.max() - field.heights.min())
+    nodes = node_count(x, parameters.tolerance)
     along_x = _Axis.plan(cols, field.dx, sigma_s_m)
     along_y = _Axis.plan(rows, field.dy, sigma_s_m)
     spectra = transform_bytes(field, field.shape, sigma_s_m, parameters.series)
     coefficients = 4.0 * along_x.fine * along_y.fine * nodes
     texels = 12.0 * layout.n_r * layout.n_w * layout.n_phi
-    frequencies = W_MAX / WAVELENGTH_MIN_M / (RADIAL_STEP * lobe_width(sigma_s_m))
+    frequencies = FREQUENCY_MAX / (RADIAL_STEP * lobe_width(sigma_s_m))
     block = angles_a_block * (frequencies * (16 * 16.0 + 12.0 * nodes) + 12.0 * layout.n_r * layout.n_w)
     matrices = 4.0 * layout.n_r * layout.n_w * 3 * nodes * _TAPS_A_RADIUS
     heights = rows * cols * 5 * 8.0

@@ -4,12 +4,18 @@
 Everything is in SI units: metres and radians.
 """
 
+import math
+
 #: Limits of the visible spectrum used for every colour integral (metres).
 WAVELENGTH_MIN_M = 380e-9
 WAVELENGTH_MAX_M = 780e-9
 
 #: Largest value of |w| = cos(theta_i) + cos(theta_r).
 W_MAX = 2.0
+
+#: Largest kappa = k |w|, and largest spatial frequency |(u, v)| / lambda that visible light can reach (1/m).
+KAPPA_MAX = 2.0 * math.pi * W_MAX / WAVELENGTH_MIN_M
+FREQUENCY_MAX = W_MAX / WAVELENGTH_MIN_M
 
 #: Pixels above lambda_min / 4 put false orders into view (|u| reaches 2 and the
 #: transform is periodic in u with period lambda / dx).

@@ -25,7 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .constants import W_MAX, WAVELENGTH_MIN_M
+from .constants import FREQUENCY_MAX, KAPPA_MAX
 from .heightfield import HeightField
 from .series import Series
 from .window import window_axis
@@ -71,7 +71,7 @@ class _Axis:
         length = pixels * step
         lag_cut = min(length, LAG_CUT * sigma_s_m)
         padded = next_fast_len(int(np.ceil((length + lag_cut) / step)) + 1)
-        top = W_MAX / WAVELENGTH_MIN_M + BAND_MARGIN * lobe_width(sigma_s_m)
+        top = FREQUENCY_MAX + BAND_MARGIN * lobe_width(sigma_s_m)
         band = next_fast_len(2 * int(np.ceil(top * padded * step)) + 2, real=True)
         band += band % 2
         lag_step = padded * step / band
@@ -129,16 +129,14 @@ class PolarIntensity:
             window_axis(rows, field.dy, sigma_s_m, ensemble), window_axis(cols, field.dx, sigma_s_m, ensemble)
         )
         area = float(np.sum(window * window)) * field.dx * field.dy
-        self.series = Series(
-            field.heights, window, 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M, series, tolerance, self._spectrum
-        )
+        self.series = Series(field.heights, window, KAPPA_MAX, series, tolerance, self._spectrum)
         self._lag_weight = self._make_lag_weight(sigma_s_m if ensemble == "average" else None)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
         # by the lag area of 1 / (padded steps), the last transform integrates over lags.
         pixel = field.dx * field.dy
         self._factor = pixel**2 / area / (self.x.padded * self.y.padded * pixel) * self.x.lag_step * self.y.lag_step
         step = RADIAL_STEP * lobe_width(sigma_s_m)
-        count = int(np.ceil(W_MAX / WAVELENGTH_MIN_M / step)) + 4
+        count = int(np.ceil(FREQUENCY_MAX / step)) + 4
         self.frequencies = step * np.arange(count)
 
     def _spectrum(self, p: np.ndarray) -> np.ndarray:

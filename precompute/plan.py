@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from .constants import W_MAX, WAVELENGTH_MIN_M
+from .constants import KAPPA_MAX
 from .layout import R_MAX, TableLayout, near_square_columns
 
 #: Wavelength that sets the width of the coherence lobe in (u, v).
@@ -44,7 +44,7 @@ def plan_layout(sigma_s_m: float, ensemble: str, half_range_m: float, detail: fl
     r0 = min(_STEP_NEAR_ZERO * lobe / _STEP_FAR_OUT, 1.0)
     n_r = 1 + math.ceil(math.asinh(R_MAX / r0) / ratio)
     n_phi = max(256, 32 * math.ceil(2.0 * math.pi * detail / (_ARC[ensemble] * lobe) / 32))
-    x = 2.0 * math.pi * W_MAX / WAVELENGTH_MIN_M * half_range_m
+    x = KAPPA_MAX * half_range_m
     n_w = max(12, math.ceil(detail * (10.0 + x)))
     return TableLayout(
         n_r=n_r,

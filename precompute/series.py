@@ -103,6 +103,14 @@ def bessel_order(x: float, tolerance: float) -> int:
     return order
 
 
+def node_count(x: float, tolerance: float) -> int:
+    """Chebyshev nodes of kappa that interpolate an intensity within ``tolerance``, x = kappa_max h_half.
+
+    The intensity holds differences of two heights, so its band is that of p on twice the half interval: x.
+    """
+    return max(bessel_order(x, tolerance) + 1, 4)
+
+
 def chebyshev_nodes(kappa_max: float, count: int) -> np.ndarray:
     """``(count,)`` Chebyshev nodes of the first kind on [0, kappa_max], ascending (1/m)."""
     j = np.arange(count)[::-1]

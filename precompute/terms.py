@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from .atomic import atomic_path
-from .constants import TABLE_FORMAT_VERSION, W_MAX, WAVELENGTH_MIN_M
+from .constants import FREQUENCY_MAX, KAPPA_MAX, TABLE_FORMAT_VERSION
 from .errors import TableError
 from .exr import write_image
 from .heightfield import HeightField
@@ -63,7 +63,7 @@ class Terms:
 def _band(pixels: int, step: float) -> tuple[np.ndarray, np.ndarray]:
     """Indices into the DFT (ascending frequency) and the frequencies that visible light reaches."""
     frequencies = np.fft.fftshift(np.fft.fftfreq(pixels, step))
-    reach = W_MAX / WAVELENGTH_MIN_M + 2.0 / (pixels * step)
+    reach = FREQUENCY_MAX + 2.0 / (pixels * step)
     keep = np.nonzero(np.abs(frequencies) <= reach)[0]
     return (keep - pixels // 2) % pixels, frequencies[keep]
 
@@ -77,10 +77,9 @@ def _series(field: HeightField, parameters: BakeParameters) -> tuple[Series, np.
     def transform(p: np.ndarray) -> np.ndarray:
         return ifft2(p, norm="forward")[np.ix_(index_y, index_x)]
 
-    kappa_max = 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M
-    check_single_precision(parameters.series, 0.5 * kappa_max * float(np.ptp(field.heights)), parameters.tolerance)
+    check_single_precision(parameters.series, 0.5 * KAPPA_MAX * float(np.ptp(field.heights)), parameters.tolerance)
     ones = np.ones((1, 1))
-    return Series(field.heights, ones, kappa_max, parameters.series, parameters.tolerance, transform), fx, fy
+    return Series(field.heights, ones, KAPPA_MAX, parameters.series, parameters.tolerance, transform), fx, fy
 
 
 def make_terms(field: HeightField, parameters: BakeParameters) -> Terms:

@@ -10,7 +10,7 @@ from ...precompute.errors import DiffractionError
 from .. import bake_settings, estimates, paths, properties, recipe, scan_store, travel
 from ..bake_job import BakeJob
 from ..preferences import table_cache
-from .threaded import Threaded, busy
+from .threaded import Threaded, busy, has_scan
 
 
 class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
@@ -40,10 +40,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not context.scene.diffraction.scan_path:
-            cls.poll_message_set("Import a scan or use a preset first")
-            return False
-        return not busy(cls)
+        return has_scan(cls, context) and not busy(cls)
 
     def jobs(self, context):
         """One bake. What the caller left out is taken from the panel, what is used is shown there."""

@@ -7,7 +7,7 @@ import bpy
 
 from .. import bake_settings, pictures, properties, scan_store
 from ..job import Job
-from .threaded import Threaded, busy
+from .threaded import Threaded, busy, has_scan
 
 #: Name of the image.
 IMAGE = "Diffraction Levelling"
@@ -31,10 +31,7 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not context.scene.diffraction.scan_path:
-            cls.poll_message_set("Import a scan or use a preset first")
-            return False
-        return not busy(cls)
+        return has_scan(cls, context) and not busy(cls)
 
     def jobs(self, context):
         """Read, prepare and draw, away from Blender."""

@@ -13,7 +13,7 @@ import numpy as np
 from .. import bake_settings, pictures, properties, scan_store
 from ..job import Job
 from ..numbers import decimal
-from .threaded import Threaded, busy
+from .threaded import Threaded, busy, has_scan
 
 #: Name of the image.
 IMAGE = "Diffraction Reflectance"
@@ -35,10 +35,7 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        if not context.scene.diffraction.scan_path:
-            cls.poll_message_set("Import a scan or use a preset first")
-            return False
-        return not busy(cls)
+        return has_scan(cls, context) and not busy(cls)
 
     def prepare(self, context):
         """Take the panel's values where the caller gave none."""

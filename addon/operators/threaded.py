@@ -12,6 +12,14 @@ from .. import progress
 from ..job import Job
 
 
+def has_scan(cls: type, context: bpy.types.Context) -> bool:
+    """Whether the scene has a scan; says on the button why not."""
+    if not context.scene.diffraction.scan_path:
+        cls.poll_message_set("Import a scan or use a preset first")
+        return False
+    return True
+
+
 class Threaded:
     """Mixin of operators whose work is a list of jobs.
 

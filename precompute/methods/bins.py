@@ -7,16 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..constants import W_MAX, WAVELENGTH_MIN_M
+from ..constants import FREQUENCY_MAX, KAPPA_MAX
 from ..errors import ParameterError
 from ..heightfield import HeightField
 from ..series import Series, taylor_bound
-
-#: Largest kappa that light and directions can ask for, 1/m.
-KAPPA_MAX = 2.0 * np.pi * W_MAX / WAVELENGTH_MIN_M
-
-#: Largest |f| along an axis, 1/m.
-FREQUENCY_MAX = W_MAX / WAVELENGTH_MIN_M
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,11 @@ import numpy as np
 
 from ..brdf import geometry_factor, relative_factor
 from ..colour import spectral_weights
+from ..constants import KAPPA_MAX
 from ..directions import uvw
 from ..errors import ParameterError
 from ..heightfield import HeightField
-from .bins import KAPPA_MAX, Band
+from .bins import Band
 from .windowed import Windowed
 
 #: Step of the wavelength loop: 79 wavelengths or so, as the thesis has.

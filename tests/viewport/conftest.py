@@ -3,7 +3,8 @@
 
 import pytest
 
-from tests.addon import extension
+from tests.addon import extension, scenes, tables
+from tests.viewport import scene
 
 
 @pytest.fixture
@@ -29,3 +30,14 @@ def renderer(blender):
 
     handlers.renderer.clear()
     return handlers.renderer
+
+
+@pytest.fixture
+def sphere(renderer, tmp_path):
+    """A diffracting sphere under one sun, seen by a camera."""
+    tables.make_table(tmp_path / "table.exr", tables.lobes)
+    ob = scenes.add_sphere(segments=64, rings=32)
+    scenes.add_sun((0.3, 0.2, 1), strength=2)
+    scenes.add_camera()
+    scene.give_material(ob, tmp_path / "table.exr", fresnel="NONE")
+    return ob

@@ -13,7 +13,7 @@ from precompute.methods import make_method
 from precompute.methods.bins import KAPPA_MAX
 from precompute.methods.flss import method_xyz
 from precompute.presets import PRESETS, make_preset
-from precompute.series import bessel_order, taylor_bound, taylor_order
+from precompute.series import bessel_order, node_count, single_precision_floor, taylor_bound, taylor_order
 
 from .common import new_figure, scans, snake
 
@@ -99,9 +99,9 @@ def _needed(half_range):
         taylor = str(taylor_order(x, 1e-4))
     except ParameterError:
         taylor = "refused"
-    single = math.exp(min(x, 80.0)) * 2.0**-24
+    single = single_precision_floor("taylor", x)
     chebyshev = bessel_order(0.5 * x, 1e-4)
-    return [f"{x:.1f}", taylor, f"{single:.0e}", chebyshev, max(bessel_order(x, 1e-4) + 1, 4)]
+    return [f"{x:.1f}", taylor, f"{single:.0e}", chebyshev, node_count(x, 1e-4)]
 
 
 def run(pictures):
