@@ -9,6 +9,8 @@ from typing import Any
 from ..precompute.bake import bake_file
 from ..precompute.cache import TableCache
 from ..precompute.parameters import BakeParameters
+from .gpu_bake.device import use_gpu
+from .gpu_bake.transforms import GpuTransforms
 from .job import Job
 
 
@@ -25,6 +27,13 @@ class BakeJob(Job):
         How to read the scan, see `precompute.readers.read_scan`.
     cache
         Where tables are kept, or None.
+    device
+        Of `gpu_bake.device.ITEMS`.
+
+    Raises
+    ------
+    ParameterError
+        If the device is not to be had.
     """
 
     def __init__(
@@ -35,9 +44,28 @@ class BakeJob(Job):
         parameters: BakeParameters,
         reading: dict[str, Any],
         cache: TableCache | None = None,
+        device: str = "CPU",
     ) -> None:
         super().__init__(
             lambda progress: bake_file(
-                source, out_dir, parameters, progress=progress, name=name, cache=cache, **reading
+                source,
+                out_dir,
+                parameters,
+                progress=progress,
+                name=name,
+                cache=cache,
+                transforms=self._transforms,
+                **reading,
             )
         )
+        self._transforms = GpuTransforms(self.on_main, race=device == "AUTO") if use_gpu(device) else None
+
+    @property
+    def device(self) -> str:
+        """What computed the transforms, and why not another; for the user."""
+        return self._transforms.device if self._transforms is not None else "processor"
+
+    def close(self) -> None:
+        """Free the GPU's memory."""
+        if self._transforms is not None:
+            self._transforms.close()

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import queue
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +13,23 @@ from ..precompute.errors import Cancelled
 
 #: What a job is given to report with: a stage's name and the fraction done; raises Cancelled when the user stops.
 Progress = Callable[[str, float], None]
+
+
+class _Request:
+    """A function that a thread waits for."""
+
+    def __init__(self, function: Callable[[], Any]) -> None:
+        self.done = threading.Event()
+        self.result: Any = None
+        self.error: BaseException | None = None
+        self._function = function
+
+    def answer(self) -> None:
+        try:
+            self.result = self._function()
+        except BaseException as error:  # raised where the function is waited for
+            self.error = error
+        self.done.set()
 
 
 class Job:
@@ -30,6 +49,7 @@ class Job:
         self._work = work
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
+        self._requests: queue.SimpleQueue[_Request] = queue.SimpleQueue()
 
     def run(self) -> Any:
         """Work and return the result, or raise what the core raises (`Cancelled` after `cancel`)."""
@@ -49,6 +69,38 @@ class Job:
     def cancel(self) -> None:
         """Ask the work to stop at its next step; nothing half-written stays."""
         self._stop.set()
+
+    def on_main(self, function: Callable[[], Any]) -> Any:
+        """Call a function in Blender's main thread, which has to `serve`, and return its result.
+
+        Raises
+        ------
+        Cancelled
+            If the job is stopped before the function was called.
+        """
+        if threading.current_thread() is threading.main_thread():
+            return function()
+        request = _Request(function)
+        self._requests.put(request)
+        while not request.done.wait(0.1):
+            if self._stop.is_set():
+                raise Cancelled
+        if request.error is not None:
+            raise request.error
+        return request.result
+
+    def serve(self, seconds: float = 0.05) -> None:
+        """Do what the thread asked to be done in this one, for about so long: one request may bring the next."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0.0:
+            try:
+                request = self._requests.get(timeout=min(left, 0.005))
+            except queue.Empty:
+                return
+            request.answer()
+
+    def close(self) -> None:
+        """Let go of what belongs to the main thread; called there when the job has ended or is given up."""
 
     def result(self) -> Any:
         """The result of a finished thread, or its error raised here."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Preferences of the extension: the cache of baked tables."""
+"""Preferences of the extension: the device that bakes, and the cache of baked tables."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import bpy
 from ..precompute.cache import TableCache
 from ..precompute.constants import CACHE_LIMIT_BYTES
 from ..precompute.errors import DiffractionError
+from .gpu_bake.device import ITEMS, renderer
 
 _PACKAGE = __package__.rpartition(".")[0]
 
@@ -30,6 +31,12 @@ def table_cache() -> TableCache | None:
         return TableCache(cache_folder(), addon.preferences.cache_limit_mb * 1_000_000)
     except DiffractionError:  # a bake without a cache is a bake all the same
         return None
+
+
+def bake_device() -> str:
+    """The device that bakes are to use, of `gpu_bake.device.ITEMS`."""
+    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    return addon.preferences.device if addon is not None else "AUTO"
 
 
 def _held() -> TableCache | None:
@@ -65,7 +72,7 @@ class DIFFRACTION_OT_clear_cache(bpy.types.Operator):
 
 
 class DIFFRACTION_AP_preferences(bpy.types.AddonPreferences):
-    """Whether and how much is kept."""
+    """What bakes, and how much is kept."""
 
     bl_idname = _PACKAGE
 
@@ -83,10 +90,21 @@ class DIFFRACTION_AP_preferences(bpy.types.AddonPreferences):
         update=_shrink,
     )
 
+    device: bpy.props.EnumProperty(
+        name="Bake On", description="What computes the transforms of a bake", items=ITEMS, default="AUTO"
+    )
+
     def draw(self, context):
-        """A switch, a limit, a button."""
+        """A device, a switch, a limit, a button."""
         layout = self.layout
         layout.use_property_split = True
+        layout.prop(self, "device")
+        found = renderer()
+        if found is None:
+            note = "Blender has no GPU context here"
+        else:
+            note = found[0] if found[1] else f"{found[0]}: software, so Automatic takes the processor"
+        layout.label(text=note, icon="INFO")
         layout.prop(self, "keep_tables")
         column = layout.column()
         column.active = self.keep_tables

@@ -34,6 +34,9 @@ from .window import default_sigma_s
 #: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
 Progress = Callable[[str, float], None]
 
+#: Does what `PolarIntensity.coefficients` does on another device: gets it, the kappas and a progress (a fraction).
+Transforms = Callable[[PolarIntensity, np.ndarray, Callable[[float], None]], np.ndarray]
+
 #: Angles that go from the transforms to the spectral sum at a time; bounds the memory in between.
 ANGLES_A_BLOCK = 96
 
@@ -113,6 +116,7 @@ def bake(
     parameters: BakeParameters,
     progress: Progress | None = None,
     memory_bytes: int | None = None,
+    transforms: Transforms | None = None,
 ) -> SpectralTable:
     """Bake the spectral table of a scan.
 
@@ -126,13 +130,15 @@ def bake(
         Called with a stage's name and a fraction; an exception it raises (``Cancelled``) ends the bake.
     memory_bytes
         Most memory that the bake may take; None asks the system what is free.
+    transforms
+        Computes the transforms on another device; None computes them here. Only the series ``nodes`` uses it.
 
     Raises
     ------
     SizeLimitError, ParameterError, ScanError
         Before any long computation or large allocation.
     """
-    return _bake(scan, parameters, _Stages(progress), memory_bytes)
+    return _bake(scan, parameters, _Stages(progress), memory_bytes, transforms)
 
 
 def bake_file(
@@ -143,6 +149,7 @@ def bake_file(
     name: str | None = None,
     cache: TableCache | None = None,
     memory_bytes: int | None = None,
+    transforms: Transforms | None = None,
     **reading: object,
 ) -> BakeReport:
     """Read a scan, bake it and write ``<out_dir>/<name>.exr`` and ``.json``.
@@ -153,7 +160,7 @@ def bake_file(
         The scan.
     out_dir
         Folder of the table; made if missing.
-    parameters, progress, memory_bytes
+    parameters, progress, memory_bytes, transforms
         See :func:`bake`.
     name
         Name of the table; the scan's by default.
@@ -175,7 +182,7 @@ def bake_file(
     folder = ensure_folder(out_dir)
     remove_stale(folder)
     stages.done("read")
-    table, found = _cached_bake(scan, parameters, stages, cache, memory_bytes)
+    table, found = _cached_bake(scan, parameters, stages, cache, memory_bytes, transforms)
     stages.report("write", 0.97)
     target = folder / f"{name or Path(path).stem}.exr"
     if parameters.series != "nodes":
@@ -190,25 +197,34 @@ def bake_file(
 
 
 def _cached_bake(
-    scan: HeightField, parameters: BakeParameters, stages: _Stages, cache: TableCache | None, memory_bytes: int | None
+    scan: HeightField,
+    parameters: BakeParameters,
+    stages: _Stages,
+    cache: TableCache | None,
+    memory_bytes: int | None,
+    transforms: Transforms | None,
 ) -> tuple[SpectralTable, str]:
     """The table, and what the cache did."""
     if cache is None:
-        return _bake(scan, parameters, stages, memory_bytes), "none"
+        return _bake(scan, parameters, stages, memory_bytes, transforms), "none"
     key = table_key(scan, parameters)
     table = cache.get(key)
     stages.done("cache")
     if table is not None:
         table.info["source"].update(origin(scan))
         return table, "hit"
-    table = _bake(scan, parameters, stages, memory_bytes)
+    table = _bake(scan, parameters, stages, memory_bytes, transforms)
     stored = cache.put(key, table)
     stages.done("cache")
     return table, "stored" if stored else "not stored"
 
 
 def _bake(
-    scan: HeightField, parameters: BakeParameters, stages: _Stages, memory_bytes: int | None = None
+    scan: HeightField,
+    parameters: BakeParameters,
+    stages: _Stages,
+    memory_bytes: int | None = None,
+    transforms: Transforms | None = None,
 ) -> SpectralTable:
     stages.report("prepare", 0.01)
     check_scan(scan, resolve_sigma_s(scan, parameters), parameters, memory_bytes)
@@ -225,7 +241,8 @@ def _bake(
         colours = background.submit(_colours, parameters.illuminant)
         polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance)
         nodes = chebyshev_nodes(KAPPA_MAX, node_count(x, parameters.tolerance))
-        coefficients = polar.coefficients(nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
+        compute = PolarIntensity.coefficients if transforms is None or parameters.series != "nodes" else transforms
+        coefficients = compute(polar, nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
         stages.done("transforms")
         wavelengths, weights, white = colours.result()
         stages.done("colour")

@@ -9,7 +9,7 @@ from .albedo import SECTORS
 from .constants import FREQUENCY_MAX, KAPPA_MAX
 from .errors import ParameterError, ScanError, SizeLimitError
 from .heightfield import HeightField
-from .intensity import RADIAL_STEP, _Axis, lobe_width, workers
+from .intensity import RADIAL_STEP, Axis, lobe_width, workers
 from .layout import TableLayout
 from .memory import available_bytes
 from .parameters import BakeParameters
@@ -63,8 +63,8 @@ def transform_bytes(field: HeightField, pixels: tuple[int, int], sigma_s_m: floa
         See ``BakeParameters``.
     """
     (rows, cols), (size_x, size_y) = pixels, field.size_m
-    along_x = _Axis.plan(cols, size_x / cols, sigma_s_m)
-    along_y = _Axis.plan(rows, size_y / rows, sigma_s_m)
+    along_x = Axis.plan(cols, size_x / cols, sigma_s_m)
+    along_y = Axis.plan(rows, size_y / rows, sigma_s_m)
     single = 8.0 if series == "nodes" else 16.0
     # Heights as read, prepared and centred, window and single copies; then p, its transform along x, the band of it,
     # the transform of that along y, its band, and the power with its lags.
@@ -85,8 +85,8 @@ def bake_bytes(
     rows, cols = field.shape
     x = KAPPA_MAX * 0.5 * float(field.heights.max() - field.heights.min())
     nodes = node_count(x, parameters.tolerance)
-    along_x = _Axis.plan(cols, field.dx, sigma_s_m)
-    along_y = _Axis.plan(rows, field.dy, sigma_s_m)
+    along_x = Axis.plan(cols, field.dx, sigma_s_m)
+    along_y = Axis.plan(rows, field.dy, sigma_s_m)
     spectra = transform_bytes(field, field.shape, sigma_s_m, parameters.series)
     coefficients = 4.0 * along_x.fine * along_y.fine * nodes
     texels = 12.0 * layout.n_r * layout.n_w * layout.n_phi

@@ -54,7 +54,7 @@ def workers() -> int:
 
 
 @dataclass(frozen=True)
-class _Axis:
+class Axis:
     """One axis of the transforms: from pixels to cropped frequencies, lags and fine frequencies."""
 
     pixels: int
@@ -65,19 +65,18 @@ class _Axis:
     fine: int  # length of the last transform
 
     @classmethod
-    def plan(cls, pixels: int, step: float, sigma_s_m: float) -> _Axis:
+    def plan(cls, pixels: int, step: float, sigma_s_m: float) -> Axis:
         from scipy.fft import next_fast_len
 
         length = pixels * step
         lag_cut = min(length, LAG_CUT * sigma_s_m)
         padded = next_fast_len(int(np.ceil((length + lag_cut) / step)) + 1)
         top = FREQUENCY_MAX + BAND_MARGIN * lobe_width(sigma_s_m)
-        band = next_fast_len(2 * int(np.ceil(top * padded * step)) + 2, real=True)
-        band += band % 2
+        # Even and of small prime factors.
+        band = 2 * next_fast_len(int(np.ceil(top * padded * step)) + 1, real=True)
         lag_step = padded * step / band
         cut = min(int(np.ceil(lag_cut / lag_step)), band // 2 - 1)
-        fine = next_fast_len(int(np.ceil(2.0 * LAG_ROOM * cut)) + 8, real=True)
-        fine += fine % 2
+        fine = 2 * next_fast_len(int(np.ceil(LAG_ROOM * cut)) + 4, real=True)
         return cls(pixels, step, padded, band, cut, fine)
 
     @property
@@ -112,6 +111,10 @@ class PolarIntensity:
     ----------
     frequencies : ndarray
         ``(n_f,)`` radial frequencies from 0 to beyond 2 / lambda_min, 1/m, evenly spaced.
+    x, y : Axis
+        Lengths and steps of the transforms.
+    window_axes, lag_axes : tuple of ndarray
+        Factors along y and x of the window and of what the lags are multiplied by, the B-spline's prefilter included.
     """
 
     def __init__(
@@ -123,14 +126,17 @@ class PolarIntensity:
         tolerance: float = 1e-4,
     ) -> None:
         rows, cols = field.shape
-        self.x = _Axis.plan(cols, field.dx, sigma_s_m)
-        self.y = _Axis.plan(rows, field.dy, sigma_s_m)
-        window = np.outer(
-            window_axis(rows, field.dy, sigma_s_m, ensemble), window_axis(cols, field.dx, sigma_s_m, ensemble)
+        self.x = Axis.plan(cols, field.dx, sigma_s_m)
+        self.y = Axis.plan(rows, field.dy, sigma_s_m)
+        self.window_axes = (
+            window_axis(rows, field.dy, sigma_s_m, ensemble),
+            window_axis(cols, field.dx, sigma_s_m, ensemble),
         )
+        window = np.outer(*self.window_axes)
         area = float(np.sum(window * window)) * field.dx * field.dy
         self.series = Series(field.heights, window, KAPPA_MAX, series, tolerance, self._spectrum)
-        self._lag_weight = self._make_lag_weight(sigma_s_m if ensemble == "average" else None)
+        self.lag_axes = self._make_lag_axes(sigma_s_m if ensemble == "average" else None)
+        self._lag_weight = np.outer(self.lag_axes[0], self.lag_axes[1][: self.x.fine // 2 + 1]).astype(np.float32)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
         # by the lag area of 1 / (padded steps), the last transform integrates over lags.
         pixel = field.dx * field.dy
@@ -149,8 +155,8 @@ class PolarIntensity:
         along_y = ifft(along_x, self.y.padded, axis=0, norm="forward", workers=threads, overwrite_x=True)
         return np.take(along_y, self.y.band_indices(), axis=0)
 
-    def _make_lag_weight(self, sigma_s_m: float | None) -> np.ndarray:
-        """``(fine_y, fine_x / 2 + 1)`` lag window times the B-spline's prefilter, with the cut lags zero."""
+    def _make_lag_axes(self, sigma_s_m: float | None) -> tuple[np.ndarray, np.ndarray]:
+        """``(fine_y,)`` and ``(fine_x,)``: lag window times the B-spline's prefilter, with the cut lags zero."""
         weights = []
         for axis in (self.y, self.x):
             index = np.fft.fftfreq(axis.fine, 1.0 / axis.fine)
@@ -160,7 +166,7 @@ class PolarIntensity:
                 weight *= np.exp(-((index * axis.lag_step) ** 2) / (4.0 * sigma_s_m**2))
             weight[np.abs(index) > axis.cut] = 0.0
             weights.append(weight)
-        return np.outer(weights[0], weights[1][: self.x.fine // 2 + 1]).astype(np.float32)
+        return weights[0], weights[1]
 
     def coefficients(self, kappas: np.ndarray, progress: Callable[[float], None] | None = None) -> np.ndarray:
         """B-spline coefficients of S on the fine Cartesian grid, for every kappa.

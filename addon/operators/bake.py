@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import EnumProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
-from .. import bake_settings, estimates, paths, properties, recipe, scan_store, travel
+from .. import bake_settings, estimates, light_file, paths, properties, recipe, scan_store, travel
 from ..bake_job import BakeJob
-from ..preferences import table_cache
+from ..gpu_bake.device import ITEMS
+from ..preferences import bake_device, table_cache
 from .threaded import Threaded, busy, has_scan
 
 
@@ -35,7 +36,15 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     tile: properties.tile()
     detail: properties.detail()
     illuminant: properties.illuminant()
+    illuminant_file: properties.illuminant_file()
+    illuminant_data: properties.illuminant_data()
     limit_mb: properties.limit_mb()
+    device: EnumProperty(
+        name="Device",
+        description="What computes the transforms; the preferences decide where it is left out",
+        items=ITEMS,
+        options={"SKIP_SAVE"},
+    )
     name: StringProperty(name="Name", description="Name of the table; empty takes the scan's", options={"SKIP_SAVE"})
 
     @classmethod
@@ -45,12 +54,17 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     def jobs(self, context):
         """One bake. What the caller left out is taken from the panel, what is used is shown there."""
         state = context.scene.diffraction
+        given = self.properties.is_property_set("illuminant_file", ghost=False)
         bake_settings.copy(state, self, only_unset=True)
+        if given:
+            self.illuminant_data = ""  # a file that the caller names must be there
         chosen = bake_settings.parameters(self)
+        self.illuminant_data = light_file.values(self)
         scan_store.bring_here(context.scene)
         source, reading = scan_store.bake_source(context.scene)
         name = self.name or state.table_name or paths.absolute(state.scan_path).stem
-        return [BakeJob(source, paths.data_folder(), name, chosen, reading, table_cache())]
+        device = self.device if self.properties.is_property_set("device") else bake_device()
+        return [BakeJob(source, paths.data_folder(), name, chosen, reading, table_cache(), device)]
 
     def finished(self, context, results):
         """The table becomes the scene's, and materials that use it are brought up to it."""
@@ -66,7 +80,8 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
             self.report({"WARNING"}, str(error))
         megabytes = result.table.layout.texel_bytes / 1e6
         terms, seconds = result.table.info["terms"], result.seconds["total"]
-        return f"Baked {result.path.name}: {megabytes:.0f} MB, {terms} terms, {seconds:.1f} s"
+        by = "" if result.cache == "hit" else f" ({self._jobs[0].device})"
+        return f"Baked {result.path.name}: {megabytes:.0f} MB, {terms} terms, {seconds:.1f} s{by}"
 
 
 CLASSES = (DIFFRACTION_OT_bake,)

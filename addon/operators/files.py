@@ -15,6 +15,7 @@ from ...precompute.atomic import atomic_path
 from ...precompute.errors import DiffractionError, TableError
 from .. import bake_settings, lights, material, paths, recipe, scan_store, travel
 from ..bake_job import BakeJob
+from ..preferences import bake_device
 from ..table_state import READY, table_state
 from .threaded import Threaded, busy
 
@@ -119,9 +120,11 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
         known = bpy.context.scene.diffraction.bl_rna.properties
         defaults = {name: known[name].default for name in bake_settings.FIELDS}
         settings = SimpleNamespace(**{**defaults, **made.get("settings", {})})
+        if settings.illuminant_data:
+            settings.illuminant_file = ""  # as it was baked, whatever its file holds now
         # A path of another computer: the table moves beside this file.
         folder = place.parent if place.parent.is_dir() else paths.data_folder()
-        return BakeJob(source, folder, place.stem, bake_settings.parameters(settings), reading)
+        return BakeJob(source, folder, place.stem, bake_settings.parameters(settings), reading, device=bake_device())
 
 
 class DIFFRACTION_OT_find_files(bpy.types.Operator):

@@ -44,16 +44,18 @@ class Threaded:
         """Blocking, for scripts."""
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)
+        self._jobs, self._results = [], []
         try:
-            results = []
-            for job in self.jobs(context):
+            self._jobs = self.jobs(context)
+            for job in self._jobs:
                 job.watch = manager.progress_update
-                results.append(job.run())
-            return self._tell(self.finished(context, results))
+                self._results.append(job.run())
+            return self._tell(self.finished(context, self._results))
         except (DiffractionError, MemoryError) as error:
             return self._fail(error)
         finally:
             manager.progress_end()
+            self._close()
 
     def invoke(self, context, event):
         """In a thread, with progress in panel and status bar."""
@@ -79,6 +81,7 @@ class Threaded:
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         if job.running:
+            job.serve()
             self._show(context)
             return {"RUNNING_MODAL"}
         try:
@@ -121,7 +124,12 @@ class Threaded:
             context.workspace.status_text_set(_status)
         redraw(context)
 
+    def _close(self):
+        for job in self._jobs:
+            job.close()
+
     def _clear(self, context):
+        self._close()
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
             self._timer = None
