@@ -10,6 +10,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import lights, material, setup
+from .versions import working_space
 
 _signatures: dict[int, tuple] = {}
 _at_work = False
@@ -25,7 +26,7 @@ def update_lamps(scene: bpy.types.Scene, force: bool = False) -> bool:
         return False
     signature = (
         lights.signature(scene),
-        bpy.data.colorspace.working_space,
+        working_space(),
         tuple(m.as_pointer() for m in materials),
     )
     key = scene.as_pointer()

@@ -14,6 +14,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ..versions import working_space
 from .blocks import DISPLAY_GAIN, DISPLAY_SIDE, DISPLAY_WHITE, buffer
 
 _VIEW = ("view_transform", "look", "exposure", "gamma", "use_curve_mapping", "use_white_balance",
@@ -24,7 +25,7 @@ def signature(scene: bpy.types.Scene) -> tuple:
     """What decides the cube (points of a curve mapping excepted)."""
     view = scene.view_settings
     return (
-        bpy.data.colorspace.working_space,
+        working_space(),
         scene.display_settings.display_device,
         *(getattr(view, name, None) for name in _VIEW),
     )
@@ -82,7 +83,7 @@ def write_as_render(
     # Another scene lends its output settings: those of the user's must not even change for a moment.
     lender = bpy.data.scenes.new("diffraction picture")
     try:
-        image.colorspace_settings.name = bpy.data.colorspace.working_space
+        image.colorspace_settings.name = working_space()
         image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         copy_colour_management(scene, lender)
         settings = lender.render.image_settings

@@ -14,6 +14,7 @@ from ...precompute.colour import xyz_to_rgb_matrix
 from ...precompute.layout import TableLayout
 from .. import material
 from ..osl import FRESNEL
+from ..versions import working_space
 from . import orientation
 from .blocks import Surface
 
@@ -60,7 +61,7 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
     modes = {number: name for name, number in FRESNEL.items()}
     look = Surface(
         layout=layout,
-        to_rgb=xyz_to_rgb_matrix(bpy.data.colorspace.working_space, illuminant),
+        to_rgb=xyz_to_rgb_matrix(working_space(), illuminant),
         fresnel=modes.get(int(value("Fresnel", 1)), "DIELECTRIC"),
         ior=float(value("IOR", 1.5)),
         conductor_n=tuple(value("ConductorN", (1.35, 0.95, 0.61)))[:3],

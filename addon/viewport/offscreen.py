@@ -13,6 +13,7 @@ from mathutils import Matrix
 
 from ...precompute.atomic import atomic_path
 from ...precompute.errors import OutputError, ParameterError
+from ..versions import start_gpu
 from .drawing import Renderer
 from .looks import View
 
@@ -35,8 +36,8 @@ def ensure_gpu() -> None:
     import gpu
 
     try:
-        if bpy.app.background and hasattr(gpu, "init"):
-            gpu.init()
+        if bpy.app.background:
+            start_gpu()
         gpu.platform.renderer_get()
     except Exception as error:
         raise NoGpu("Blender has no GPU context here, so the viewport cannot be drawn; render with Cycles.") from error

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What differs between the Blenders that the extension runs in: 4.5 LTS and 5.2 LTS."""
+
+from __future__ import annotations
+
+import bpy
+
+#: Scene-linear space of the colour configuration of Blender 4.5, which has no setting for it.
+FIXED_WORKING_SPACE = "Linear Rec.709"
+
+
+def working_space() -> str:
+    """Name of the file's working space, such as ``"Linear Rec.709"`` or ``"ACEScg"``."""
+    colorspace = getattr(bpy.data, "colorspace", None)
+    return FIXED_WORKING_SPACE if colorspace is None else colorspace.working_space
+
+
+def limits() -> list[str]:
+    """What this Blender cannot do, one sentence each; none where all works."""
+    found = []
+    if not hasattr(bpy.data, "colorspace"):
+        found.append(
+            f"Blender {bpy.app.version_string} has no choice of working space: colours are made for"
+            f" {FIXED_WORKING_SPACE}."
+        )
+    return found
+
+
+def start_gpu() -> None:
+    """A GPU context in background mode, where this Blender makes none by itself.
+
+    Raises
+    ------
+    Exception
+        Of Blender's, if there is none to be had.
+    """
+    import gpu
+
+    if hasattr(gpu, "init"):
+        gpu.init()
+        return
+    try:
+        gpu.platform.renderer_get()
+    except SystemError:
+        _render_once()
+
+
+def _render_once() -> None:
+    """Render 8 x 8 pixels with an engine that wants a context: what else opens one before 5.2 is a window."""
+
+    class DIFFRACTION_context(bpy.types.RenderEngine):
+        bl_idname = "DIFFRACTION_CONTEXT"
+        bl_label = "Diffraction GPU Context"
+        bl_use_gpu_context = True
+
+        def render(self, depsgraph: bpy.types.Depsgraph) -> None:
+            pass
+
+    bpy.utils.register_class(DIFFRACTION_context)
+    scene = bpy.data.scenes.new("diffraction context")
+    lens = bpy.data.cameras.new("diffraction context")
+    camera = bpy.data.objects.new("diffraction context", lens)
+    try:
+        scene.collection.objects.link(camera)
+        scene.camera = camera
+        scene.render.engine = DIFFRACTION_context.bl_idname
+        scene.render.resolution_x = scene.render.resolution_y = 8
+        bpy.ops.render.render(scene=scene.name)
+    finally:
+        bpy.data.scenes.remove(scene)
+        bpy.data.objects.remove(camera)
+        bpy.data.cameras.remove(lens)
+        bpy.utils.unregister_class(DIFFRACTION_context)
