@@ -14,6 +14,7 @@ from ..precompute.errors import ParameterError, TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import SpectralTable, read_sidecar
 from . import frame, lights, nodes_twin, osl, paths, script_node, travel
+from .versions import working_space
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"
@@ -199,7 +200,7 @@ def set_settings(node: bpy.types.Node, settings: Settings) -> None:
 
 def set_working_space(node: bpy.types.Node, illuminant: str) -> None:
     """Write the matrix from XYZ to the working space of the file into the sockets."""
-    matrix = xyz_to_rgb_matrix(bpy.data.colorspace.working_space, illuminant)
+    matrix = xyz_to_rgb_matrix(working_space(), illuminant)
     for name, row in zip(("ToRed", "ToGreen", "ToBlue"), matrix, strict=True):
         node.inputs[name].default_value = [float(x) for x in row]
 
