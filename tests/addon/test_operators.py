@@ -110,7 +110,7 @@ def test_shader_that_was_there_becomes_the_pigment(saved, scan):
     [
         (None, (1, 1), 100, "no file"),
         (b"", (1, 1), 100, "empty"),
-        (b"nonsense \x00\x01\x02", (1, 1), 100, ""),
+        (b"nonsense \x00\x01\x02", (1, 1), 100, "format is not known"),
         ("picture", (0, 0), 100, "size"),
         ("picture", (8, 8), 0, "height"),
         ("picture", (8, -1), 100, "size"),
