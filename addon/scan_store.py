@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,7 @@ from ..precompute.heightfield import HeightField
 from ..precompute.readers import read_scan
 from ..precompute.scan_info import scan_info
 from . import paths, recipe
+from .job import Progress
 
 #: In the header of every .gsf that is written here, hardly in others.
 _MARK = b"\nProcessing = "
@@ -46,47 +48,77 @@ class Placement:
         return orientation.rotate90(field, self.quarter_turns)
 
 
+@dataclass(frozen=True)
+class Stored:
+    """A scan that was read, with what a scene is told of it.
+
+    Parameters
+    ----------
+    path
+        The stored .gsf.
+    source, reading, sha256
+        What to bake: a file, how to read it, and its hash.
+    info
+        One line for the panel.
+    imported
+        The user's own file and how it was read, to read it again otherwise; empty where there is none.
+    channels
+        Names of its channels.
+    """
+
+    path: Path
+    source: Path
+    reading: dict[str, Any]
+    sha256: str
+    info: str
+    imported: dict[str, Any]
+    channels: list[str]
+
+
 def import_scan(
-    scene: bpy.types.Scene,
+    folder: Path,
     path: Path,
     size_m: tuple[float, float] | None,
     height_m: float | None,
     channel: str | None,
     placement: Placement = Placement(),
-) -> HeightField:
-    """Read a scan, store it as .gsf and make it the scene's.
+    progress: Progress = lambda stage, fraction: None,
+) -> Stored:
+    """Read a scan and store it as .gsf; touches nothing of Blender, so that a thread may do it.
 
     Raises
     ------
     DiffractionError
-        Any of the readers' and of writing; the scene is then as before.
+        Any of the readers' and of writing; nothing is written then.
     """
-    field = placement.apply(read_scan(path, size_m=size_m, height_m=height_m, channel=channel))
+    progress("read", 0.0)
+    field = read_scan(path, size_m=size_m, height_m=height_m, channel=channel)
+    progress("turn", 0.6)
+    field = placement.apply(field)
     as_it_is = path.suffix.lower() == ".gsf" and size_m is None and height_m is None and not placement.changes
-    target = _store(path.stem, field, path if as_it_is else None)
+    progress("store", 0.7)
+    target = _store(folder, path.stem, field, path if as_it_is else None)
     reading = {"size_m": size_m, "height_m": height_m, "channel": channel}
+    reading = {key: value for key, value in reading.items() if value is not None}
+    imported = {"path": str(path.resolve()), **reading}
+    channels = field.metadata.get("channels", [])
     if placement.changes:  # the original lies otherwise
-        _remember(scene, field, target, target, {}, recipe.file_sha256(target))
-    else:
-        _remember(scene, field, target, path.resolve(), reading, field.metadata["sha256"])
-    # What is needed to read it again with another channel or turned.
-    scene.diffraction.imported = json.dumps(
-        {"path": str(path.resolve()), **{key: value for key, value in reading.items() if value is not None}}
-    )
-    scene.diffraction.channels = json.dumps(field.metadata.get("channels", []))
-    return field
+        return Stored(target, target, {}, recipe.file_sha256(target), _info(field), imported, channels)
+    return Stored(target, path.resolve(), reading, field.metadata["sha256"], _info(field), imported, channels)
 
 
-def store_preset(scene: bpy.types.Scene, field: HeightField, name: str) -> Path:
-    """Store a generated heightfield as .gsf and make it the scene's."""
-    target = _store(name, field, None)
-    _remember(scene, read_scan(target), target, target, {}, recipe.file_sha256(target))
-    scene.diffraction.imported = scene.diffraction.channels = ""
-    return target
+def store_preset(
+    folder: Path, name: str, make: Callable[[], HeightField], progress: Progress = lambda stage, fraction: None
+) -> Stored:
+    """Store a generated heightfield as .gsf; touches nothing of Blender."""
+    progress("make", 0.0)
+    field = make()
+    progress("store", 0.8)
+    return stored(_store(folder, name, field, None))
 
 
-def use_stored(scene: bpy.types.Scene, path: Path) -> HeightField:
-    """Make a scan that was stored before the scene's again.
+def stored(path: Path) -> Stored:
+    """A scan that was stored before.
 
     Raises
     ------
@@ -94,9 +126,20 @@ def use_stored(scene: bpy.types.Scene, path: Path) -> HeightField:
         If it cannot be read.
     """
     field = read_scan(path)
-    _remember(scene, field, path, path, {}, field.metadata["sha256"])
-    scene.diffraction.imported = scene.diffraction.channels = ""
-    return field
+    return Stored(path, path, {}, field.metadata["sha256"], _info(field), {}, [])
+
+
+def adopt(scene: bpy.types.Scene, scan: Stored) -> None:
+    """Make a stored scan the scene's."""
+    properties = scene.diffraction
+    properties.scan_path = paths.relative(scan.path)
+    properties.source_path = str(scan.source)
+    properties.source_sha256 = scan.sha256
+    properties.reading = json.dumps(scan.reading)
+    properties.scan_info = scan.info
+    properties.imported = json.dumps(scan.imported) if scan.imported else ""
+    properties.channels = json.dumps(scan.channels) if scan.channels else ""
+    properties.table_name = ""
 
 
 def stored_scans() -> list[Path]:
@@ -129,9 +172,8 @@ def bring_here(scene: bpy.types.Scene) -> None:
         properties.scan_path = paths.relative(target)
 
 
-def _store(stem: str, field: HeightField, as_it_is: Path | None) -> Path:
+def _store(folder: Path, stem: str, field: HeightField, as_it_is: Path | None) -> Path:
     """Write a field (or copy a .gsf byte for byte, so that its hash and its table's sidecar stay) under a free name."""
-    folder = paths.data_folder()
     with atomic_path(folder / f"{stem}.new.gsf") as temporary:
         if as_it_is is None:
             write_gsf(field, temporary)
@@ -166,20 +208,13 @@ def _free(folder: Path, stem: str, content: bytes) -> Path:
         number += 1
 
 
-def _remember(
-    scene: bpy.types.Scene, field: HeightField, stored: Path, source: Path, reading: dict[str, Any], sha256: str
-) -> None:
+def _info(field: HeightField) -> str:
     info = scan_info(field)
-    properties = scene.diffraction
-    properties.scan_path = paths.relative(stored)
-    properties.source_path = str(source)
-    properties.source_sha256 = sha256
-    properties.reading = json.dumps({key: value for key, value in reading.items() if value is not None})
     x, y = (size * 1e6 for size in info["size_m"])
     rows, columns = info["shape"]
     heights = (info["z_max_m"] - info["z_min_m"]) * 1e9
     missing = f", {info['missing']} missing" if info["missing"] else ""
-    properties.scan_info = f"{columns} x {rows} px, {x:.4g} x {y:.4g} um, {heights:.4g} nm high{missing}"
+    return f"{columns} x {rows} px, {x:.4g} x {y:.4g} um, {heights:.4g} nm high{missing}"
 
 
 def bake_source(scene: bpy.types.Scene) -> tuple[Path, dict[str, Any]]:

@@ -10,10 +10,11 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
-from ...precompute.errors import DiffractionError
-from .. import scan_store
+from ...precompute.errors import ScanError
+from .. import paths, scan_store
+from ..job import Job
 from ..numbers import decimal
-from .threaded import busy
+from .threaded import Threaded, busy
 
 TURN_ITEMS = [
     ("0", "0\N{DEGREE SIGN}", "As it is"),
@@ -26,7 +27,21 @@ TURN_ITEMS = [
 _kept_items: list[tuple[str, str, str]] = []
 
 
-class DIFFRACTION_OT_import_scan(bpy.types.Operator, ImportHelper):
+class _Takes(Threaded):
+    """Reads a scan away from Blender, and makes it the scene's."""
+
+    title = "Reading"
+
+    def finished(self, context, results):
+        """The scene shows the scan."""
+        (scan,) = results
+        scan_store.adopt(context.scene, scan)
+        name = Path(scan.imported["path"]).name if scan.imported else scan.path.stem
+        others = f"; {len(scan.channels) - 1} other channels" if len(scan.channels) > 1 else ""
+        return f"{name}: {scan.info}{others}"
+
+
+class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
     """Read the heights of a surface scan"""
 
     bl_idname = "diffraction.import_scan"
@@ -48,19 +63,37 @@ class DIFFRACTION_OT_import_scan(bpy.types.Operator, ImportHelper):
     flip_y: BoolProperty(name="Flip Y", description="Exchange bottom and top")
     turn: EnumProperty(name="Turn", description="Turn anticlockwise, after flipping", items=TURN_ITEMS)
 
+    _browsed = False
+
     @classmethod
     def poll(cls, context):
         return not busy(cls)
 
+    def invoke(self, context, event):
+        """Ask for a file, unless one was given."""
+        if self.properties.is_property_set("filepath", ghost=False):
+            return Threaded.invoke(self, context, event)
+        self._browsed = True
+        return ImportHelper.invoke(self, context, event)
+
     def execute(self, context):
+        """Scripts wait. The file browser ends in this call too, and goes on with progress and Esc."""
+        if not self._browsed:
+            return Threaded.execute(self, context)
+        bpy.ops.diffraction.import_scan("INVOKE_DEFAULT", **self.as_keywords(ignore=("check_existing", "filter_glob")))
+        return {"CANCELLED"}  # of this call; the other one reports and pushes the undo step
+
+    def jobs(self, context):
+        """Read and store."""
         size_m = tuple(decimal(size) * 1e-6 for size in self.size_um) if any(self.size_um) else None
         height_m = decimal(self.height_nm) * 1e-9 if self.height_nm else None
         placement = scan_store.Placement(self.flip_x, self.flip_y, int(self.turn))
-        path = Path(bpy.path.abspath(self.filepath))
-        return read_in(self, context, path, size_m, height_m, self.channel or None, placement)
+        path, folder = Path(bpy.path.abspath(self.filepath)), paths.data_folder()
+        channel = self.channel or None
+        return [Job(lambda done: scan_store.import_scan(folder, path, size_m, height_m, channel, placement, done))]
 
 
-class DIFFRACTION_OT_choose_channel(bpy.types.Operator):
+class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
     """Read another channel of the imported file"""
 
     bl_idname = "diffraction.choose_channel"
@@ -85,14 +118,16 @@ class DIFFRACTION_OT_choose_channel(bpy.types.Operator):
             return False
         return not busy(cls)
 
-    def execute(self, context):
+    def jobs(self, context):
+        """Read and store."""
         before = json.loads(context.scene.diffraction.imported)
         size_m = tuple(before["size_m"]) if "size_m" in before else None
+        path, folder, channel = Path(before["path"]), paths.data_folder(), self.channel
         # A height range belongs to one channel only.
-        return read_in(self, context, Path(before["path"]), size_m, None, self.channel, scan_store.Placement())
+        return [Job(lambda done: scan_store.import_scan(folder, path, size_m, None, channel, progress=done))]
 
 
-class DIFFRACTION_OT_use_stored_scan(bpy.types.Operator):
+class DIFFRACTION_OT_use_stored_scan(_Takes, bpy.types.Operator):
     """Go back to a scan that was stored with this file"""
 
     bl_idname = "diffraction.use_stored_scan"
@@ -108,37 +143,12 @@ class DIFFRACTION_OT_use_stored_scan(bpy.types.Operator):
             return False
         return not busy(cls)
 
-    def execute(self, context):
+    def jobs(self, context):
+        """Read it."""
         found = [path for path in scan_store.stored_scans() if path.stem == self.name]
         if not found:
-            self.report({"ERROR"}, f"There is no stored scan '{self.name}'; import it.")
-            return {"CANCELLED"}
-        try:
-            scan_store.use_stored(context.scene, found[0])
-        except DiffractionError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        context.scene.diffraction.table_name = ""
-        self.report({"INFO"}, f"{self.name}: {context.scene.diffraction.scan_info}")
-        return {"FINISHED"}
-
-
-def read_in(operator, context, path, size_m, height_m, channel, placement):
-    """Import and say what came in, or the reader's sentence."""
-    manager = context.window_manager
-    manager.progress_begin(0.0, 1.0)
-    try:
-        field = scan_store.import_scan(context.scene, path, size_m, height_m, channel, placement)
-    except DiffractionError as error:
-        operator.report({"ERROR"}, str(error))
-        return {"CANCELLED"}
-    finally:
-        manager.progress_end()
-    context.scene.diffraction.table_name = ""
-    channels = field.metadata.get("channels", [])
-    others = f"; {len(channels) - 1} other channels" if len(channels) > 1 else ""
-    operator.report({"INFO"}, f"{path.name}: {context.scene.diffraction.scan_info}{others}")
-    return {"FINISHED"}
+            raise ScanError(f"There is no stored scan '{self.name}'; import it.")
+        return [Job(lambda _: scan_store.stored(found[0]))]
 
 
 CLASSES = (DIFFRACTION_OT_import_scan, DIFFRACTION_OT_choose_channel, DIFFRACTION_OT_use_stored_scan)

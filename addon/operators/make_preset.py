@@ -6,19 +6,20 @@ from __future__ import annotations
 import bpy
 from bpy.props import EnumProperty
 
-from ...precompute.errors import DiffractionError
 from ...precompute.presets import PRESETS, make_preset
-from .. import preset_properties, properties, scan_store
+from .. import paths, preset_properties, properties, scan_store
+from ..job import Job
 from ..numbers import decimal
-from .threaded import busy
+from .threaded import Threaded, busy
 
 
-class DIFFRACTION_OT_make_preset(bpy.types.Operator):
+class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
     """Take a structure that needs no microscope"""
 
     bl_idname = "diffraction.make_preset"
     bl_label = "Use Preset"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
+    title = "Making the structure"
 
     preset: EnumProperty(
         name="Preset", description="A structure that needs no microscope", items=preset_properties.ITEMS
@@ -36,28 +37,28 @@ class DIFFRACTION_OT_make_preset(bpy.types.Operator):
         for name in ("preset", *(p.name for p in PRESETS[self.preset].parameters), "size_um", "pixels"):
             layout.prop(self, name)
 
-    def execute(self, context):
-        values = {}
-        for parameter in PRESETS[self.preset].parameters:
+    def jobs(self, context):
+        """Make and store."""
+        name, values = self.preset, {}
+        for parameter in PRESETS[name].parameters:
             if self.properties.is_property_set(parameter.name, ghost=False):
                 value = getattr(self, parameter.name)
                 values[parameter.name] = decimal(value) if isinstance(value, float) else value
             else:  # presets that share a parameter differ in its default
                 values[parameter.name] = parameter.default
-        manager = context.window_manager
-        manager.progress_begin(0.0, 1.0)
-        try:
-            field = make_preset(self.preset, decimal(self.size_um) * 1e-6 or None, self.pixels or None, **values)
-            scan_store.store_preset(context.scene, field, self.preset)
-        except DiffractionError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        finally:
-            manager.progress_end()
-        state = context.scene.diffraction
-        state.preset, state.table_name = self.preset, ""
-        self.report({"INFO"}, f"{PRESETS[self.preset].label}: {state.scan_info}")
-        return {"FINISHED"}
+        size_m, pixels, folder = decimal(self.size_um) * 1e-6 or None, self.pixels or None, paths.data_folder()
+
+        def work(progress):
+            return scan_store.store_preset(folder, name, lambda: make_preset(name, size_m, pixels, **values), progress)
+
+        return [Job(work)]
+
+    def finished(self, context, results):
+        """The scene shows the structure."""
+        (scan,) = results
+        scan_store.adopt(context.scene, scan)
+        context.scene.diffraction.preset = self.preset
+        return f"{PRESETS[self.preset].label}: {scan.info}"
 
 
 DIFFRACTION_OT_make_preset.__annotations__.update(preset_properties.all_parameters())
