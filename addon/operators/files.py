@@ -188,6 +188,7 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
                     scan_store.bring_here(scene)
             for place, users in tables().items():
                 count += self._collect(context, place, [each for each in users if each.is_editable])
+                count += self._copy_linked([each for each in users if each.library is not None])
         except (DiffractionError, OSError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -215,6 +216,31 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
             if made:
                 each[recipe.KEY] = made
         return 1
+
+    def _copy_linked(self, users: list[bpy.types.Material]) -> int:
+        count, folder = 0, paths.absolute("//")
+        for there, here in {pair for each in users for pair in farm_copies(each).items()}:
+            if here == there or not there.is_file():
+                continue
+            if not here.is_relative_to(folder) or (here.is_file() and here.read_bytes() != there.read_bytes()):
+                self.report({"WARNING"}, f"{here} is another file or outside this folder: make the material local")
+            elif not here.is_file():
+                _copy(there, here)
+                count += not here.stem.endswith(".importance")
+        return count
+
+
+def farm_copies(linked: bpy.types.Material) -> dict[Path, Path]:
+    """What to copy where so that a linked OSL material renders without this add-on; empty for others.
+
+    Cycles takes a relative name in a socket for one beside the open file, of a linked material too, whose own name was
+    meant from its library's folder.
+    """
+    if linked.library is None or material.shader_node(linked) is None or not material.needs_osl(linked):
+        return {}
+    images = [linked.get(key) for key in (travel.ATLAS, travel.IMPORTANCE)]
+    found = [image.filepath for image in images if image is not None and image.filepath.startswith("//")]
+    return {paths.absolute(name, linked.library): paths.absolute(name) for name in found}
 
 
 def _free(folder: Path, place: Path, there: Path) -> Path:

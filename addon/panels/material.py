@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from .. import material, paths, scale, travel
-from ..operators.files import tables
+from ..operators.files import farm_copies, tables
 from ..table_state import READY, table_state
 from .bake import scene_table
 from .sidebar import Sidebar, Stage, file_name, megabytes, note, split
@@ -91,13 +91,14 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
         return material.any_ours()
 
     def draw(self, context):
-        layout, total, broken, outside = self.layout, 0, False, False
+        layout, total, broken, outside, linked = self.layout, 0, False, False, False
         for place, users in tables().items():
             found = table_state(material.table_path(users[0]))
             total += found.texture_bytes
             ready = found.kind == READY
             broken |= not ready
             outside |= ready and users[0].is_editable and place.parent != paths.data_folder()
+            linked |= any(not here.is_file() for each in users for here in farm_copies(each).values())
             row = layout.row()
             row.label(text=f"{file_name(place.name)} ({len(users)})", icon="TEXTURE" if ready else "ERROR")
             row.label(text=megabytes(found.texture_bytes) if ready else found.kind.title())
@@ -107,6 +108,9 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             layout.operator("diffraction.find_files", icon="VIEWZOOM")
         if outside:
             note(layout, "Some tables lie outside the folder of this .blend and will not move with it")
+        if linked:
+            note(layout, "Without this extension a renderer would not find the tables of linked materials")
+        if outside or linked:
             layout.operator("diffraction.collect_files", icon="FILE_PARENT")
 
 

@@ -179,6 +179,25 @@ def link_to(path, target):
     return {"picture": image, "sockets": sockets(), "states": states()}
 
 
+def link_and_collect(path, target):
+    """Link the collection into a new file in another folder, save it and collect, twice."""
+    import bpy
+
+    link_to(path, target)
+    outcomes = [sorted(bpy.ops.diffraction.collect_files()) for _ in range(2)]
+    return {"outcome": outcomes[0], "again": outcomes[1]}
+
+
+def collect_again(path):
+    """Open and collect."""
+    import bpy
+
+    open_file(path)
+    outcome = sorted(bpy.ops.diffraction.collect_files())
+    kept = Path(bpy.path.abspath("//diffraction/sinusoid.exr")).read_bytes()[:13].decode("latin-1")
+    return {"outcome": outcome, "kept": kept}
+
+
 def paste_to(path, target):
     """Copy the plane in one file, paste it in another."""
     import bpy

@@ -94,6 +94,25 @@ def test_link_into_a_file_in_another_folder(project, tmp_path, implementation):
     assert np.allclose(again["picture"], image, atol=1e-4)
 
 
+def test_linked_osl_material_renders_without_the_addon_once_collected(project, tmp_path):
+    """Cycles looks for its table beside the open file: nothing is there at first, then a copy is."""
+    folder, image = project
+    there = tmp_path / "other"
+    there.mkdir()
+    found = life.run(life.link_and_collect, path=folder / "scene.blend", target=there / "mine.blend")
+    assert found["outcome"] == ["FINISHED"] and found["again"] == ["FINISHED"]
+    assert {path.name for path in (there / "diffraction").iterdir()} == {"sinusoid.exr", "sinusoid.importance.exr"}
+    plain = life.run(life.render_file, addon=False, path=there / "mine.blend")
+    assert np.allclose(plain["picture"], image, atol=1e-4)
+    for copy in (there / "diffraction").iterdir():
+        copy.unlink()
+    bare = life.run(life.render_file, addon=False, path=there / "mine.blend")
+    assert np.max(bare["picture"]) < 1e-3 * image.max()  # no table, no light
+    (there / "diffraction" / "sinusoid.exr").write_bytes(b"another table")
+    refused = life.run(life.collect_again, path=there / "mine.blend")
+    assert refused["outcome"] == ["FINISHED"] and refused["kept"] == "another table"
+
+
 @pytest.mark.slow
 def test_copy_and_paste_between_files(project, tmp_path):
     folder, _ = project
