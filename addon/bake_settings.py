@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from ..precompute.parameters import BakeParameters
+from . import light_file
 from .numbers import decimal
 
 #: Those of the panel Levelling.
@@ -16,8 +17,13 @@ LEVELLING = ("use_crop", "crop_um", "level", "align_rows", "clip_percent", "smoo
 
 #: Properties that decide a bake, on the scene and on the operator, in the order of the panel.
 FIELDS = (
-    *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "illuminant", "series", "tolerance", "limit_mb",
+    *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "illuminant", "illuminant_file",
+    "illuminant_data", "series", "tolerance", "limit_mb",
 )  # fmt: skip
+
+
+#: Of them, what changes no table: of a light's file its values count.
+_UNSEEN = ("limit_mb", "illuminant_file")
 
 
 def parameters(owner: Any) -> BakeParameters:
@@ -35,7 +41,7 @@ def parameters(owner: Any) -> BakeParameters:
         series=owner.series,
         tolerance=decimal(owner.tolerance),
         **levelling(owner),
-        illuminant=owner.illuminant,
+        illuminant=light_file.illuminant(owner),
         detail=decimal(owner.detail),
         limit_bytes=owner.limit_mb * 1_000_000,
     )
@@ -64,7 +70,8 @@ def copy(source: Any, target: Any, only_unset: bool = False) -> None:
 
 def remember(owner: Any) -> dict[str, Any]:
     """The values of `FIELDS`, for a recipe."""
-    return {name: _plain(getattr(owner, name)) for name in FIELDS}
+    values = {name: _plain(getattr(owner, name)) for name in FIELDS}
+    return {**values, "illuminant_data": light_file.values(owner)}
 
 
 def _plain(value: Any) -> Any:
@@ -102,6 +109,9 @@ def changed(recipe: str, state: bpy.types.PropertyGroup) -> list[str]:
         labels.append("Scan")
     now, values = remember(state), then.get("settings", {})
     for name in FIELDS:
-        if name != "limit_mb" and name in values and values[name] != now[name]:
-            labels.append(state.bl_rna.properties[name].name)
+        if name in _UNSEEN or name not in values or values[name] == now[name]:
+            continue
+        if name == "illuminant_data" and ("Illuminant" in labels or light_file.same(values[name], now[name])):
+            continue
+        labels.append(state.bl_rna.properties[name].name)
     return labels

@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -183,7 +185,8 @@ def apply(
     material[TABLE_KEY] = image.filepath
     travel.attach(material, image, directions, sidecar["atlas"]["sha256"])
     travel.sync(material)
-    material["diffraction_illuminant"] = sidecar["colour"]["illuminant"]
+    light = sidecar["colour"]["illuminant"]
+    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(light)
     # The correction bends the half vectors that stand in for normals.
     material.cycles.use_bump_map_correction = False
     return material
@@ -198,8 +201,11 @@ def set_settings(node: bpy.types.Node, settings: Settings) -> None:
     node.inputs["Environment"].default_value = settings.environment
 
 
-def set_working_space(node: bpy.types.Node, illuminant: str) -> None:
-    """Write the matrix from XYZ to the working space of the file into the sockets."""
+def set_working_space(node: bpy.types.Node, illuminant: Any) -> None:
+    """Write the matrix from XYZ to the working space of the file into the sockets.
+
+    ``illuminant`` is the sidecar's entry, or its JSON text.
+    """
     matrix = xyz_to_rgb_matrix(working_space(), illuminant)
     for name, row in zip(("ToRed", "ToGreen", "ToBlue"), matrix, strict=True):
         node.inputs[name].default_value = [float(x) for x in row]

@@ -18,7 +18,7 @@ from bpy.props import (
 )
 
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
-from . import preset_properties
+from . import light_file, preset_properties
 
 _LABELS = {
     "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),
@@ -43,6 +43,7 @@ def _items(names: tuple[str, ...]) -> list[tuple[str, str, str]]:
 
 
 ENSEMBLE_ITEMS, SERIES_ITEMS, LEVEL_ITEMS, ILLUMINANT_ITEMS = map(_items, (ENSEMBLES, SERIES, LEVELS, ILLUMINANTS))
+ILLUMINANT_ITEMS.append((light_file.FILE, "File", "A measured spectrum from a text file"))
 
 FRESNEL_ITEMS = [
     ("DIELECTRIC", "Dielectric", "Reflectance by the index of refraction (skin, horn, lacquer)"),
@@ -174,6 +175,22 @@ def illuminant() -> EnumProperty:
     return EnumProperty(name="Illuminant", description="Spectrum of the light", items=ILLUMINANT_ITEMS)
 
 
+def illuminant_file() -> StringProperty:
+    """A measured light."""
+    return StringProperty(
+        name="Light File",
+        description="Spectrum of the illuminant FILE: text of two columns, wavelength in nm and relative power",
+        subtype="FILE_PATH", options={"PATH_SUPPORTS_BLEND_RELATIVE"},
+    )  # fmt: skip
+
+
+def illuminant_data() -> StringProperty:
+    """What the file held when it was baked."""
+    return StringProperty(
+        name="Values of the Light File", description="Its spectrum as JSON, kept with a bake", options={"HIDDEN"}
+    )
+
+
 def limit_mb() -> IntProperty:
     """Largest table."""
     return IntProperty(
@@ -287,6 +304,8 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     tile: tile()
     detail: detail()
     illuminant: illuminant()
+    illuminant_file: illuminant_file()
+    illuminant_data: illuminant_data()
     limit_mb: limit_mb()
 
     implementation: EnumProperty(

@@ -200,7 +200,7 @@ def _before_save(*arguments) -> None:
             sync(material, folder)
     for scene in bpy.data.scenes:
         state = scene.diffraction
-        for name in ("scan_path", "table_path"):
+        for name in ("scan_path", "table_path", "illuminant_file"):
             place = getattr(state, name)
             if place and scene.is_editable:
                 _places[scene.name, name] = paths.absolute(place)

@@ -20,6 +20,9 @@ from .layout import TableLayout
 #: Azimuthal sectors of the quadrature.
 SECTORS = 144
 
+#: A component of white below this part of Y says nothing (light of a narrow band): it is left out.
+DARK_WHITE = 1e-4
+
 #: The last polar angle is kept off the horizon, where cos_r = 0.
 THETA_LAST = np.radians(89.5)
 
@@ -60,6 +63,7 @@ def albedo_map(texels: np.ndarray, layout: TableLayout, white: np.ndarray) -> np
     # Azimuth phi_r of the albedo's rows plus the kernel's first alpha, relative to the middle of sector 0.
     middle = 0.5 * delta - np.pi / layout.n_phi
     phases = np.exp(1j * order * (turn[:, None] + 0.5 * delta - middle))
+    bright = white > DARK_WHITE
     for column, theta in enumerate(thetas):
         sin_r, cos_r = np.sin(theta), np.cos(theta)
         rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
@@ -86,7 +90,7 @@ def albedo_map(texels: np.ndarray, layout: TableLayout, white: np.ndarray) -> np
             product[:, -1] *= 0.5
         # sum_alpha kernel(alpha) T(phi_r + alpha) for any phi_r, by its Fourier series
         albedo = (phases[:, None, :] * product).real.sum(-1) / sectors
-        result[:, column] = (albedo / white).max(-1)
+        result[:, column] = (albedo[:, bright] / white[bright]).max(-1)
     return np.maximum(result, 0.0)
 
 

@@ -20,6 +20,7 @@ from .colour import spectral_weights, white_xyz
 from .constants import KAPPA_MAX
 from .errors import ScanError, SizeLimitError
 from .heightfield import HeightField
+from .illuminant import Illuminant, to_json
 from .intensity import PolarIntensity, workers
 from .layout import TableLayout
 from .parameters import BakeParameters
@@ -212,6 +213,7 @@ def _cached_bake(
     stages.done("cache")
     if table is not None:
         table.info["source"].update(origin(scan))
+        table.info["colour"]["illuminant"] = to_json(parameters.illuminant)  # of another name, perhaps
         return table, "hit"
     table = _bake(scan, parameters, stages, memory_bytes, transforms)
     stored = cache.put(key, table)
@@ -271,7 +273,7 @@ def _bake(
             "processing": [dict(step) for step in patch.processing],
         },
         "colour": {
-            "illuminant": parameters.illuminant,
+            "illuminant": to_json(parameters.illuminant),
             "observer": "CIE 1931 2 degree",
             "white_xyz": [float(x) for x in white],
             "wavelengths_m": [float(wavelengths[0]), float(wavelengths[-1])],
@@ -302,7 +304,7 @@ def _integrate(
     return transform
 
 
-def _colours(illuminant: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _colours(illuminant: Illuminant) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return (*spectral_weights(illuminant=illuminant), white_xyz(illuminant))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from .colour_library import load_colour
 from .constants import WAVELENGTH_MAX_M, WAVELENGTH_MIN_M
 from .errors import ParameterError
-from .parameters import ILLUMINANTS
+from .illuminant import Illuminant, illuminant_of
 
 #: Working spaces by the names that ``bpy.data.colorspace.working_space`` gives, and their names in colour-science.
 SPACES = {"Linear Rec.709": "ITU-R BT.709", "Linear Rec.2020": "ITU-R BT.2020", "ACEScg": "ACEScg"}
@@ -23,6 +23,9 @@ OBSERVER = "CIE 1931 2 Degree Standard Observer"
 
 #: Default step of the wavelength quadrature, the step at which the CIE tabulates the observer.
 STEP_M = 1e-9
+
+#: Smallest response of a cone to a light with Y = 1 to which colours are adapted; illuminant A has 0.34.
+LEAST_CONE = 0.02
 
 #: Cone responses of Bradford's chromatic adaptation (Lam, 1985; the matrix of the ICC profiles).
 _BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
@@ -38,7 +41,7 @@ def wavelength_grid(step_m: float = STEP_M) -> np.ndarray:
 
 
 def spectral_weights(
-    wavelengths_m: np.ndarray | None = None, illuminant: str = "D65", step_m: float = STEP_M
+    wavelengths_m: np.ndarray | None = None, illuminant: Illuminant = "D65", step_m: float = STEP_M
 ) -> tuple[np.ndarray, np.ndarray]:
     """Weights that turn a spectrum f(lambda) into XYZ under an illuminant.
 
@@ -51,7 +54,7 @@ def spectral_weights(
     wavelengths_m
         ``(L,)`` rising wavelengths in metres; a grid of ``step_m`` over 380-780 nm when None.
     illuminant
-        One of `ILLUMINANTS`.
+        One of `ILLUMINANTS`, a `precompute.illuminant.Spectrum`, or what a table's sidecar says of either.
     step_m
         Step of the default grid in metres.
 
@@ -68,11 +71,11 @@ def spectral_weights(
         For an unknown illuminant, or wavelengths that do not rise or leave 380-780 nm.
     """
     grid = wavelength_grid(step_m) if wavelengths_m is None else np.asarray(wavelengths_m, float)
-    return _weights(tuple(grid.tolist()), illuminant)
+    return _weights(tuple(grid.tolist()), illuminant_of(illuminant))
 
 
 @lru_cache(maxsize=64)
-def _weights(wavelengths: tuple[float, ...], illuminant: str) -> tuple[np.ndarray, np.ndarray]:
+def _weights(wavelengths: tuple[float, ...], illuminant: Illuminant) -> tuple[np.ndarray, np.ndarray]:
     lam = np.array(wavelengths)
     slack = 1e-12
     if lam.size < 2 or (np.diff(lam) <= 0).any():
@@ -80,17 +83,18 @@ def _weights(wavelengths: tuple[float, ...], illuminant: str) -> tuple[np.ndarra
     if lam[0] < WAVELENGTH_MIN_M - slack or lam[-1] > WAVELENGTH_MAX_M + slack:
         raise ParameterError("The wavelengths of a colour integral must lie within 380-780 nm.")
     nm, cmfs = _observer()
-    nm_light, power = _illuminant(illuminant)
     x = lam * 1e9
     xyz = np.stack([np.interp(x, nm, cmfs[:, c]) for c in range(3)], axis=-1)
-    # The CIE defines the illuminants between their 5 nm samples by linear interpolation (CIE 15:2018, 4.2).
-    light = np.interp(x, nm_light, power)
     step = np.diff(lam)
     quadrature = np.zeros_like(lam)
     quadrature[:-1] += step / 2
     quadrature[1:] += step / 2
+    light = _named(illuminant, x) if isinstance(illuminant, str) else illuminant.on(lam)
     weights = (quadrature * light)[:, None] * xyz
-    weights /= weights[:, 1].sum()
+    luminance = weights[:, 1].sum()
+    if not luminance > 0.0:
+        raise ParameterError(f"The light '{illuminant}' has no luminance; choose one that can be seen.")
+    weights /= luminance
     lam.flags.writeable = weights.flags.writeable = False
     return lam, weights
 
@@ -103,23 +107,19 @@ def _observer() -> tuple[np.ndarray, np.ndarray]:
     return np.asarray(cmfs.wavelengths), np.asarray(cmfs.values)
 
 
-@lru_cache(maxsize=16)
-def _illuminant(name: str) -> tuple[np.ndarray, np.ndarray]:
-    if name not in ILLUMINANTS:
-        raise ParameterError(f"Unknown illuminant '{name}'; choose one of {', '.join(ILLUMINANTS)}.")
-    colour = load_colour()
-
-    distribution = colour.SDS_ILLUMINANTS[name]
-    return np.asarray(distribution.wavelengths), np.asarray(distribution.values)
+def _named(name: str, wavelengths_nm: np.ndarray) -> np.ndarray:
+    """The CIE defines its illuminants between their 5 nm samples by linear interpolation (CIE 15:2018, 4.2)."""
+    distribution = load_colour().SDS_ILLUMINANTS[name]
+    return np.interp(wavelengths_nm, np.asarray(distribution.wavelengths), np.asarray(distribution.values))
 
 
-def white_xyz(illuminant: str = "D65") -> np.ndarray:
+def white_xyz(illuminant: Illuminant = "D65") -> np.ndarray:
     """``(3,)`` XYZ of a spectrally flat f = 1 under ``illuminant``, with Y = 1, on the default wavelength grid."""
     return spectral_weights(illuminant=illuminant)[1].sum(axis=0)
 
 
 @lru_cache(maxsize=32)
-def _xyz_to_rgb(space: str, illuminant: str) -> np.ndarray:
+def _xyz_to_rgb(space: str, illuminant: Illuminant) -> np.ndarray:
     if space not in SPACES:
         raise ParameterError(f"Unknown working space '{space}'; choose one of {', '.join(SPACES)}.")
     colour = load_colour()
@@ -134,37 +134,46 @@ def _xyz_to_rgb(space: str, illuminant: str) -> np.ndarray:
     white = xyz_of(definition.whitepoint)
     primaries = np.stack([xyz_of(xy) for xy in definition.primaries], axis=-1)
     rgb_to_xyz = primaries * np.linalg.solve(primaries, white)
-    gain = (_BRADFORD @ white) / (_BRADFORD @ white_xyz(illuminant))
-    adapt = np.linalg.solve(_BRADFORD, gain[:, None] * _BRADFORD)
+    seen = _BRADFORD @ white_xyz(illuminant)
+    adapt = np.eye(3)
+    if can_be_white(illuminant):
+        adapt = np.linalg.solve(_BRADFORD, (_BRADFORD @ white / seen)[:, None] * _BRADFORD)
     matrix = np.linalg.solve(rgb_to_xyz, adapt)
     matrix.flags.writeable = False
     return matrix
 
 
-def xyz_to_rgb_matrix(space: str = "Linear Rec.709", illuminant: str = "D65") -> np.ndarray:
+def can_be_white(illuminant: Illuminant) -> bool:
+    """Whether eyes adapt to a light: lasers and sodium lamps leave a kind of cone (after Bradford) in the dark."""
+    return bool((_BRADFORD @ white_xyz(illuminant)).min() > LEAST_CONE)
+
+
+def xyz_to_rgb_matrix(space: str = "Linear Rec.709", illuminant: Illuminant = "D65") -> np.ndarray:
     """Matrix from XYZ under ``illuminant`` to linear RGB in which the illuminant's white is (1, 1, 1).
+
+    A light that cannot be adapted to (`can_be_white`) keeps its own colour: relative to the white of the space.
 
     Parameters
     ----------
     space
         One of `SPACES`, the names of ``bpy.data.colorspace.working_space``.
     illuminant
-        One of `ILLUMINANTS`; adapted to the white of the space after Bradford.
+        As for `spectral_weights`; adapted to the white of the space after Bradford.
 
     Returns
     -------
     ndarray
         ``(3, 3)``, ``rgb = matrix @ xyz``. Read-only.
     """
-    return _xyz_to_rgb(space, illuminant)
+    return _xyz_to_rgb(space, illuminant_of(illuminant))
 
 
-def luminance_row(space: str = "Linear Rec.709", illuminant: str = "D65") -> np.ndarray:
+def luminance_row(space: str = "Linear Rec.709", illuminant: Illuminant = "D65") -> np.ndarray:
     """``(3,)`` row that gives back Y: ``Y = row . rgb`` for ``rgb = xyz_to_rgb_matrix(...) @ xyz``. It sums to 1."""
     return np.linalg.inv(xyz_to_rgb_matrix(space, illuminant))[1]
 
 
-def xyz_to_rgb(xyz: np.ndarray, space: str = "Linear Rec.709", illuminant: str = "D65") -> np.ndarray:
+def xyz_to_rgb(xyz: np.ndarray, space: str = "Linear Rec.709", illuminant: Illuminant = "D65") -> np.ndarray:
     """Linear RGB ``(..., 3)`` of XYZ ``(..., 3)``; components may be negative, see `into_gamut`."""
     return np.asarray(xyz) @ xyz_to_rgb_matrix(space, illuminant).T
 

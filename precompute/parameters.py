@@ -4,18 +4,20 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from .constants import TABLE_LIMIT_BYTES
 from .errors import ParameterError
+from .illuminant import ILLUMINANTS, Illuminant, illuminant_of, to_json
 
 ENSEMBLES = ("average", "single", "periodic")
 SERIES = ("nodes", "chebyshev", "taylor")
 LEVELS = ("none", "plane", "poly2")
 ROW_AXES = ("none", "x", "y")
 TILINGS = ("none", "blend", "period")
-ILLUMINANTS = ("D65", "D50", "A", "E", "FL11")
+
+__all__ = ["ENSEMBLES", "ILLUMINANTS", "LEVELS", "ROW_AXES", "SERIES", "TILINGS", "BakeParameters"]
 
 
 @dataclass(frozen=True)
@@ -52,7 +54,8 @@ class BakeParameters:
     tile
         Make opposite edges fit by ``blend`` or by a crop to whole periods (``period``).
     illuminant
-        Spectral distribution of the light, by name.
+        Spectral distribution of the light: a name of `ILLUMINANTS` or a `precompute.illuminant.Spectrum`, whose
+        samples (not its name) then decide the table.
     detail
         Resolution of the table relative to the default 1.0; texels grow with its cube.
     limit_bytes
@@ -75,7 +78,7 @@ class BakeParameters:
     align_rows: str = "none"
     smooth_m: float = 0.0
     tile: str = "none"
-    illuminant: str = "D65"
+    illuminant: Illuminant = "D65"
     detail: float = 1.0
     limit_bytes: int = TABLE_LIMIT_BYTES
 
@@ -88,10 +91,10 @@ class BakeParameters:
             ("level", self.level, LEVELS),
             ("axis of row alignment", self.align_rows, ROW_AXES),
             ("tiling", self.tile, TILINGS),
-            ("illuminant", self.illuminant, ILLUMINANTS),
         ):
             if value not in choices:
                 raise ParameterError(f"The {name} {value!r} is unknown; choose one of {', '.join(choices)}.")
+        object.__setattr__(self, "illuminant", illuminant_of(self.illuminant))
         object.__setattr__(self, "replicas", tuple(int(n) for n in self.replicas))
         if len(self.replicas) != 2 or min(self.replicas) < 1:
             raise ParameterError(f"The copies {self.replicas} make no surface; give two whole numbers of at least 1.")
@@ -117,8 +120,9 @@ class BakeParameters:
 
     def to_dict(self) -> dict[str, Any]:
         """What decides the table's content, for the sidecar (the limit does not)."""
-        data = asdict(self)
+        data = {each.name: getattr(self, each.name) for each in fields(self)}
         del data["limit_bytes"]
+        data["illuminant"] = to_json(self.illuminant, name=False)
         if self.ensemble != "periodic":
             del data["replicas"]
         return data

@@ -19,6 +19,7 @@ from typing import Any
 from .atomic import atomic_path
 from .cache import TableCache, table_key
 from .errors import DiffractionError, ParameterError, TableError
+from .illuminant import Spectrum
 from .output_folder import ensure_folder
 from .parameters import BakeParameters
 
@@ -108,7 +109,7 @@ def _word(key: str, value: Any) -> str:
     short, factor = _SHORT.get(key, (key, 1.0))
     if isinstance(value, float):
         return f"{short}-{value * factor:.6g}"
-    return str(value) if isinstance(value, str) else f"{short}-{value}"
+    return str(value) if isinstance(value, (str, Spectrum)) else f"{short}-{value}"
 
 
 def bake_task(task: Task, out_dir: str, cache_dir: str | None = None, cache_limit: int | None = None) -> Outcome:

@@ -14,10 +14,10 @@ import numpy as np
 
 from .atomic import atomic_path
 from .constants import TABLE_FORMAT_VERSION
-from .errors import TableError
+from .errors import ParameterError, TableError
 from .exr import read_half_rgb, read_text, write_half_rgb
+from .illuminant import illuminant_of
 from .layout import TableLayout
-from .parameters import ILLUMINANTS
 
 
 @dataclass(eq=False)
@@ -219,8 +219,10 @@ def _parse(text: str, name: str) -> dict[str, Any]:
     albedo, terms = sidecar.get("albedo_max"), sidecar.get("terms")
     if not (isinstance(albedo, int | float) and 0.0 <= albedo < math.inf and isinstance(terms, int)):
         raise TableError(f"The table's sidecar {name} holds impossible numbers; bake the scan again.")
-    if sidecar["colour"].get("illuminant") not in ILLUMINANTS:
-        raise TableError(f"The table's sidecar {name} names no known illuminant; bake the scan again.")
+    try:
+        illuminant_of(sidecar["colour"].get("illuminant"))
+    except ParameterError as error:
+        raise TableError(f"The table's sidecar {name} names no known illuminant; bake the scan again.") from error
     return sidecar
 
 

@@ -23,7 +23,7 @@ PANELS = {
     "Preset Structure": ("preset", "preset_size_um", "preset_pixels"),
     "Levelling": ("level", "align_rows", "clip_percent", "smooth_nm", "tile", "use_crop", "crop_um"),
     "Bake": ("ensemble", "sigma_s_um", "detail"),
-    "Bake > Advanced": ("table_name", "illuminant", "series", "tolerance", "limit_mb"),
+    "Bake > Advanced": ("table_name", "illuminant", "illuminant_file", "series", "tolerance", "limit_mb"),
     "Material": (
         "implementation", "fresnel", "ior", "orientation", "uv_map", "attribute", "angle_image", "rotation",
         "conserve_energy", "environment",
@@ -87,6 +87,7 @@ def page(bpy):
         namespace, _, name = cls.bl_idname.partition(".")
         rna = getattr(getattr(bpy.ops, namespace), name).get_rna_type()
         rows = [p for p in rna.properties if p.identifier not in _FOREIGN and p.type not in {"POINTER", "COLLECTION"}]
+        rows = [p for p in rows if not p.is_hidden]
         if cls.__name__ == "DIFFRACTION_OT_make_preset":
             rows = [p for p in rows if p.identifier in ("preset", "size_um", "pixels")]
         text = f"### `{cls.bl_idname}`: {cls.bl_label}\n\n{rna.description}.\n\n"

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from .. import bake_settings, estimates, paths, progress
+from ...precompute.errors import DiffractionError
+from .. import bake_settings, estimates, light_file, paths, progress
 from ..operators.setting_presets import DIFFRACTION_MT_bake_presets
 from ..table_state import NONE, READY, TableState, table_state
 from .sidebar import Sidebar, Stage, duration, file_name, megabytes, note, split, vector
@@ -54,8 +55,23 @@ class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
     def draw(self, context):
         layout, state = split(self.layout), context.scene.diffraction
         layout.enabled = progress.running() is None
-        for name in ("table_name", "illuminant", "series", "tolerance", "limit_mb"):
+        layout.prop(state, "table_name")
+        layout.prop(state, "illuminant")
+        if state.illuminant == light_file.FILE:
+            _light(layout, state)
+        for name in ("series", "tolerance", "limit_mb"):
             layout.prop(state, name)
+
+
+def _light(layout: bpy.types.UILayout, state: bpy.types.PropertyGroup) -> None:
+    layout.prop(state, "illuminant_file")
+    if light_file.lives_on_values(state):
+        note(layout, "The file is gone; the values that were baked stand for it")
+        return
+    try:
+        light_file.illuminant(state)
+    except DiffractionError as error:
+        note(layout, str(error), "ERROR")
 
 
 def scene_table(scene: bpy.types.Scene) -> TableState:

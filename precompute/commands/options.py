@@ -13,8 +13,10 @@ import numpy as np
 
 from ..constants import CACHE_LIMIT_BYTES
 from ..directions import from_angles
+from ..errors import ParameterError
 from ..heightfield import HeightField
-from ..parameters import ENSEMBLES, ILLUMINANTS, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
+from ..illuminant import ILLUMINANTS, Illuminant, illuminant_of, read_spectrum
+from ..parameters import ENSEMBLES, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
 
 if TYPE_CHECKING:
     from ..cache import TableCache
@@ -29,6 +31,14 @@ def number(text: str) -> float:
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"'{text}' is not finite")
     return value
+
+
+def light(text: str) -> Illuminant:
+    """A name of an illuminant or the spectrum in a file, for argparse."""
+    try:
+        return illuminant_of(text) if text in ILLUMINANTS or not os.path.exists(text) else read_spectrum(text)
+    except ParameterError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def add_scan(parser: argparse.ArgumentParser, several: bool = False) -> None:
@@ -83,7 +93,14 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
             "--crop-um", nargs=4, type=number, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"), help="keep this rectangle"
         )
     parser.add_argument("--tile", choices=TILINGS, default=default.tile, help="make opposite edges fit", **many)
-    parser.add_argument("--illuminant", choices=ILLUMINANTS, default=default.illuminant, **many)
+    parser.add_argument(
+        "--illuminant",
+        type=light,
+        default=default.illuminant,
+        metavar="NAME|FILE",
+        help=f"{', '.join(ILLUMINANTS)}, or a text file of two columns: wavelength in nm, relative power",
+        **many,
+    )
 
 
 def add_replicas(parser: argparse.ArgumentParser) -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from precompute import colour as c
 from precompute.errors import ParameterError
+from precompute.illuminant import ILLUMINANTS
 
 #: Chromaticities of the illuminants, CIE 15:2018 (tables T.3 and T.8.1), to the digits printed there.
 CHROMATICITY = {
@@ -19,7 +20,7 @@ CHROMATICITY = {
 }
 
 
-@pytest.mark.parametrize("name", c.ILLUMINANTS)
+@pytest.mark.parametrize("name", ILLUMINANTS)
 def test_white_has_the_published_chromaticity(name):
     xyz = c.white_xyz(name)
     assert xyz[1] == pytest.approx(1.0, abs=1e-14)
@@ -45,7 +46,7 @@ def test_weights_integrate_a_line_by_the_trapezoid_rule():
 
 
 @pytest.mark.parametrize("space", c.SPACES)
-@pytest.mark.parametrize("illuminant", c.ILLUMINANTS)
+@pytest.mark.parametrize("illuminant", ILLUMINANTS)
 def test_white_of_the_illuminant_is_white_of_the_space(space, illuminant):
     matrix = c.xyz_to_rgb_matrix(space, illuminant)
     assert np.allclose(matrix @ c.white_xyz(illuminant), 1.0, atol=1e-12)
