@@ -206,7 +206,7 @@ def test_while_baking(project):
         for name in ("main", "bake"):
             text = shown(name)
             assert "Baking: transforms, Esc stops" in text
-        for operator in ("bake", "preview_levelling", "make_preset", "import_scan"):
+        for operator in ("bake", "preview_levelling", "make_preset", "import_scan", "use_stored_scan", "reflectance"):
             assert "Esc stops it" in refusal(getattr(bpy.ops.diffraction, operator))
         everything()
     finally:
@@ -572,6 +572,42 @@ def test_esc_stops_a_threaded_operator(project):
     assert result == {"CANCELLED"}
     assert told == [({"WARNING"}, "Testing was stopped; nothing was written")]
     assert window.timers == 0 and progress.running() is None
+
+
+def given(cls, **values):
+    """Stands in for an operator that a panel's button calls."""
+    values["properties"] = type("Given", (), {"is_property_set": lambda self, name, ghost: name in values})()
+    return type("Operator", (), {**values, "jobs": cls.jobs, "finished": cls.finished})()
+
+
+def test_reading_a_scan_and_making_a_structure_can_be_stopped(project, tmp_path):
+    """They run away from Blender; Esc leaves no file and the scene as it was."""
+    from diffraction_shader.addon.operators import import_scan, make_preset
+    from diffraction_shader.precompute.errors import Cancelled
+    from diffraction_shader.precompute.gsf import write_gsf
+    from diffraction_shader.precompute.presets import make_preset as heights
+
+    state, stored = bpy.context.scene.diffraction, project / "diffraction"
+    source = write_gsf(heights("blazed", 8e-6, 64), tmp_path / "own.gsf")
+    reading = given(
+        import_scan.DIFFRACTION_OT_import_scan,
+        size_um=(0.0, 0.0), height_nm=0.0, flip_x=True, flip_y=False, turn="0", channel="", filepath=str(source),
+    )  # fmt: skip
+    making = given(make_preset.DIFFRACTION_OT_make_preset, preset="sinusoid", size_um=8.0, pixels=64, period_um=1.5)
+    for operator, name in ((reading, "own"), (making, "sinusoid")):
+        (job,) = operator.jobs(bpy.context)
+        job.cancel()
+        job.start()
+        with pytest.raises(Cancelled):
+            job.result()
+        assert not stored.is_dir() or list(stored.glob(f"{name}*")) == []
+        before = state.scan_path
+        (job,) = operator.jobs(bpy.context)
+        job.start()
+        result = job.result()
+        assert job.fraction > 0.5 and state.scan_path == before  # a thread does not touch the scene
+        assert name in operator.finished(bpy.context, [result]).lower()
+        assert state.scan_path == f"//diffraction/{name}.gsf"
 
 
 def test_an_error_in_the_thread_becomes_one_sentence(project):
