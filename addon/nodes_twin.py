@@ -2,9 +2,11 @@
 """The material without OSL: the formulas of ``shaders/*.osl`` as shader nodes, for any device and for EEVEE.
 
 Each lamp of the scene has its own nodes, so the group is built anew when lamps come or go; moves go through
-drivers. Cycles takes the same aimed toon lobes as the OSL material. EEVEE has no toon closure and takes a
-GGX lobe about the half vector, normalised to f cos in the direction of the lamp; it is wide, and other lamps
-within it shine through it. Lamps count by their middle, and there is no environment.
+drivers. Cycles takes the same aimed toon lobes as the OSL material. EEVEE has no toon closure: there a white GGX
+lobe about the half vector is turned into the colour that it shows (Shader to RGB), which brings the lamp's light
+and shadow, and that colour times f cos is emitted. A lobe of the colour f cos would go through EEVEE's buffers,
+which hold colours in ten bits from 0 to 8 and one lobe of several at random. Lamps count by their middle, and there
+is no environment.
 """
 
 from __future__ import annotations
@@ -20,8 +22,15 @@ from .node_graph import Graph, Socket, Value, interface, new_group
 #: Lamps that the nodes follow.
 LAMPS_MAX = 8
 
-#: Roughness of EEVEE's lobe: narrower ones it rounds, wider ones see more of the other lamps.
-EEVEE_ROUGHNESS = 0.5
+#: Alpha (roughness squared) of EEVEE's lobe, for small lamps and at most: it is four times as wide as the lamp.
+#: Narrower ones its tables of GGX do not hold, wider ones see more of the other lamps and of the world.
+EEVEE_ALPHA, EEVEE_ALPHA_MAX = 0.04, 0.25
+
+#: What EEVEE's tables make of the lobe's peak, measured: 0.995 to 0.997 at all angles for the smallest alpha.
+EEVEE_PEAK = 0.9957
+
+#: Radius of the disc with the same mean square as a lamp, over half the lamp's diagonal.
+_ROUND = {"SUN": 1.0, "BALL": 1.0, "RECTANGLE": math.sqrt(2.0 / 3.0), "ELLIPSE": math.sqrt(0.5)}
 
 _NUMBER, _VECTOR, _SHADER = "NodeSocketFloat", "NodeSocketVector", "NodeSocketShader"
 
@@ -81,9 +90,12 @@ def build(
     interface(tree, sockets, {"BSDF": _SHADER, "EEVEE": _SHADER})
     surface = _Surface(Graph(tree), table, albedo, fresnel)
     cycles, eevee = surface.base(), surface.base()
+    seen: Value = (0.0, 0.0, 0.0)
     for number, lamp in enumerate(lamps, 1):
-        toon, glossy = surface.lobes(number, lights.lamp_kind(lamp.data))
-        cycles, eevee = surface.both(cycles, toon), surface.both(eevee, glossy)
+        toon, colour = surface.lobes(number, lights.lamp_kind(lamp.data))
+        cycles, seen = surface.both(cycles, toon), surface.graph.vector("ADD", seen, colour)
+    if lamps:
+        eevee = surface.both(eevee, surface.emitted(seen))
     output = surface.graph.add("NodeGroupOutput")
     surface.graph.put(output.inputs["BSDF"], cycles)
     surface.graph.put(output.inputs["EEVEE"], eevee)
@@ -197,8 +209,14 @@ class _Surface:
         self.graph.put(node.inputs[1], b)
         return node.outputs[0]
 
+    def emitted(self, colour: Socket) -> Socket:
+        """A closure that shows a colour."""
+        node = self.graph.add("ShaderNodeEmission")
+        self.graph.put(node.inputs["Color"], colour)
+        return node.outputs[0]
+
     def lobes(self, number: int, kind: str) -> tuple[Socket, Socket]:
-        """A lamp's lobes for Cycles and for EEVEE."""
+        """A lamp's lobe for Cycles, and the colour that it gives in EEVEE."""
         graph = self.graph
         place, size = self._in[f"Lamp{number}Place"], self._in[f"Lamp{number}Size"]
         if kind == "SUN":
@@ -220,16 +238,24 @@ class _Surface:
         graph.put(toon.inputs["Smooth"], 0.0)
         graph.put(toon.inputs["Normal"], half)
 
-        alpha2 = EEVEE_ROUGHNESS**4
-        c = graph.clamp(graph.scalar("DOT_PRODUCT", half, self._viewer), 1e-3, 1.0)
-        # 4 c pi alpha^2 (1 + 2 Lambda(c)), with 1 + 2 Lambda = sqrt(1 + alpha^2 tan^2).
-        tan2 = graph.difference(graph.math("POWER", c, -2.0), 1.0)
-        gain = graph.product(c, graph.math("SQRT", graph.fused(tan2, alpha2, 1.0)), 4.0 * math.pi * alpha2)
+        radius = graph.product(radius, _ROUND[kind])
+        alpha = graph.clamp(graph.product(radius, 2.0), EEVEE_ALPHA, EEVEE_ALPHA_MAX)
+        alpha2 = graph.product(alpha, alpha)
         glossy = graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
-        graph.put(glossy.inputs["Color"], graph.scaled(f_cos, gain))
-        graph.put(glossy.inputs["Roughness"], EEVEE_ROUGHNESS)
+        graph.put(glossy.inputs["Color"], (1.0, 1.0, 1.0))
+        graph.put(glossy.inputs["Roughness"], graph.math("SQRT", alpha))
         graph.put(glossy.inputs["Normal"], half)
-        return toon.outputs[0], glossy.outputs[0]
+        shown = graph.add("ShaderNodeShaderToRGB")
+        graph.put(shown.inputs[0], glossy.outputs[0])
+        c = graph.clamp(graph.scalar("DOT_PRODUCT", half, self._viewer), 1e-3, 1.0)
+        # One over the lobe's peak is 4 c pi alpha^2 (1 + 2 Lambda(c)), with 1 + 2 Lambda = sqrt(1 + alpha^2 tan^2).
+        tan2 = graph.difference(graph.math("POWER", c, -2.0), 1.0)
+        gain = graph.product(c, alpha2, graph.math("SQRT", graph.fused(tan2, alpha2, 1.0)), 4.0 * math.pi / EEVEE_PEAK)
+        # The mean of the lobe over the lamp lies below the peak: half vectors turn by half the lamp's radius in the
+        # plane of incidence and by 1 / c as much across it, D falls as 1 - 2 (tan / alpha)^2.
+        part = graph.quotient(graph.product(radius, 0.5), alpha)
+        gain = graph.product(gain, graph.fused(graph.product(part, part, 0.5), graph.sum(tan2, 2.0), 1.0))
+        return toon.outputs[0], graph.scaled(graph.vector("MULTIPLY", f_cos, shown.outputs[0]), gain)
 
     def _half_extent(self, number: int, kind: str) -> Socket:
         """Radius of a ball that holds the lamp."""

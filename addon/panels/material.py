@@ -22,7 +22,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout, state = split(self.layout), context.scene.diffraction
         layout.prop(state, "implementation")
         if state.implementation == "NODES":
-            note(layout, "Up to 8 lamps, no environment")
+            note(layout, "Up to 8 lamps, by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
             layout.prop(state, "ior")

@@ -86,8 +86,11 @@ def add_camera(direction=(0, 0, 1), extent=2.2, distance=10.0, up="Y"):
     return ob
 
 
-def render(size=96, samples=1, scene=None):
-    """Render with Cycles and return linear RGB, float (size, size, 3), row 0 at the bottom."""
+def render(size=96, samples=1, scene=None, centred=False):
+    """Render and return linear RGB, float (size, size, 3), row 0 at the bottom.
+
+    One sample sees the middle of its pixel, more of them all of it; `centred` keeps them in the middle.
+    """
     import OpenEXR
 
     scene = scene or bpy.context.scene
@@ -98,8 +101,9 @@ def render(size=96, samples=1, scene=None):
     scene.cycles.samples = samples
     scene.cycles.use_denoising = False
     scene.cycles.use_adaptive_sampling = False
-    scene.cycles.pixel_filter_type = "BOX"
-    scene.cycles.filter_width = 0.01
+    scene.cycles.pixel_filter_type = "BLACKMAN_HARRIS" if centred else "BOX"
+    scene.cycles.filter_width = 0.01  # of no effect on the box
+    settings.filter_size = 0.0 if centred else 1.5  # of EEVEE
     scene.view_settings.view_transform = "Raw"
     settings.image_settings.file_format = "OPEN_EXR"
     settings.image_settings.color_depth = "32"
