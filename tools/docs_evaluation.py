@@ -14,7 +14,10 @@ from precompute.atomic import atomic_path  # noqa: E402
 
 PAGE = ROOT / "docs" / "evaluation.md"
 PICTURES = ROOT / "docs" / "pictures"
-CHAPTERS = ("reflectance", "terms", "coherence", "methods", "maps")
+CHAPTERS = ("reflectance", "terms", "coherence", "methods", "maps", "gamut")
+
+#: Chapters of other pages.
+PAGES = {"gamut": ROOT / "docs" / "lighting.md"}
 
 
 #: Largest picture of a page, bytes.
@@ -36,7 +39,7 @@ def shrink(path):
 def main(chapters):
     PICTURES.mkdir(parents=True, exist_ok=True)
     for name in chapters:
-        fill(PAGE, importlib.import_module(f"evaluation.{name}").run(PICTURES))
+        fill(PAGES.get(name, PAGE), importlib.import_module(f"evaluation.{name}").run(PICTURES))
     for path in PICTURES.glob("evaluation_*.png"):
         shrink(path)
 

@@ -81,6 +81,29 @@ def test_gamut_step_keeps_luminance_and_hue():
     assert np.allclose(moved[~inside].min(axis=1), 0, atol=1e-12)
 
 
+@pytest.mark.parametrize("space", c.SPACES)
+def test_gamut_step_on_spectral_colours(space):
+    """Orders of a grating are nearly spectral: luminance and dominant wavelength stay, the sign of none flips.
+
+    The dominant wavelength is colour-science's, found on the spectral locus of the xy diagram.
+    """
+    import colour
+
+    lam, weights = c.spectral_weights()
+    white = c.white_xyz()
+    matrix, row = c.xyz_to_rgb_matrix(space), c.luminance_row(space)
+    for centre in (450, 475, 500, 520, 550, 580, 610, 640):
+        xyz = np.exp(-0.5 * ((lam * 1e9 - centre) / 8) ** 2) @ weights
+        rgb = matrix @ xyz
+        moved = c.into_gamut(rgb, row)
+        assert moved.min() >= 0
+        back = np.linalg.solve(matrix, moved)
+        assert back[1] == pytest.approx(xyz[1], rel=1e-12)
+        found = [colour.dominant_wavelength(each[:2] / each.sum(), white[:2] / white.sum())[0] for each in (xyz, back)]
+        assert found[0] == pytest.approx(centre, abs=4)
+        assert found[1] == pytest.approx(found[0], abs=0.5)
+
+
 def test_gamut_step_without_luminance_is_black():
     row = c.luminance_row()
     assert np.array_equal(c.into_gamut([[-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]], row), np.zeros((2, 3)))

@@ -38,6 +38,16 @@ def test_differences_on_the_page_are_below_what_is_seen(root_dir):
         assert float(rows[name][4]) < 1.0, name
 
 
+def test_gamut_on_the_lighting_page(root_dir):
+    """Nearly a third of the scan's colours lies outside Rec.709, hardly any outside the two wide spaces."""
+    text = (root_dir / "docs" / "lighting.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in block(text, "gamut").splitlines()[2:]]
+    off_the_peak = {(row[0].partition(",")[0], row[1]): float(row[3].rstrip("% ")) for row in rows}
+    assert 25 <= off_the_peak["Xenopeltis", "Linear Rec.709"] <= 36
+    assert off_the_peak["Xenopeltis", "Linear Rec.2020"] < 3
+    assert off_the_peak["Xenopeltis", "ACEScg"] < 3
+
+
 def test_filling_touches_its_block_only(tmp_path):
     page = tmp_path / "page.md"
     page.write_text("a\n<!-- begin x y -->\nold\n<!-- end x y -->\nb \\1\n<!-- begin z -->\n<!-- end z -->\n")
