@@ -105,7 +105,7 @@ def _table(layout: bpy.types.UILayout, state: bpy.types.PropertyGroup, found: Ta
     column.label(text=file_name(state.table_path), icon="CHECKMARK")
     column.label(text=found.summary, icon="BLANK1")
     if found.info.get("albedo_max", 0.0) > 1.0:
-        column.label(text=f"Albedo up to {found.info['albedo_max']:.2f} without energy conservation", icon="BLANK1")
+        note(column, f"Albedo up to {found.info['albedo_max']:.2f} without energy conservation", "BLANK1")
     changed = bake_settings.changed(state.table_recipe, state)
     if changed:
         note(

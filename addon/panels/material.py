@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import re
+
 import bpy
 
 from .. import material, paths, scale, travel
@@ -76,7 +78,7 @@ class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
         for name in material.LIVE_SOCKETS:
             socket = node.inputs.get(name)
             if socket is not None and not socket.is_linked:
-                layout.prop(socket, "default_value", text=bpy.path.display_name(name))
+                layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
 
 
 class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):

@@ -9,8 +9,11 @@ import bpy
 
 from .. import progress
 
-#: Characters that fit beside an icon in a sidebar of ordinary width.
-_WIDTH = 44
+#: At a user interface scale of 1, in pixels: a character of ordinary text, and what margins and an icon take.
+_CHARACTER, _MARGINS = 6.4, 72.0
+
+#: Width of a sidebar where there is none to ask.
+_SIDEBAR = 290.0
 
 
 class Sidebar:
@@ -45,7 +48,9 @@ def note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
     """A sentence, wrapped; its icon stands before the first line."""
     column = layout.column(align=True)
     column.scale_y = 0.8
-    for index, line in enumerate(textwrap.wrap(text, _WIDTH)):
+    region = bpy.context.region
+    width = region.width / bpy.context.preferences.system.ui_scale if region is not None else _SIDEBAR
+    for index, line in enumerate(textwrap.wrap(text, max(16, int((width - _MARGINS) / _CHARACTER)))):
         column.label(text=line, icon=icon if index == 0 else "BLANK1")
 
 
