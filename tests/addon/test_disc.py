@@ -65,3 +65,23 @@ def test_spokes_under_a_lamp_beside_the_axis(blender, grooves):
     far = (np.abs(x) > 0.15) & (np.abs(x) < 0.85)  # leave out the centre and the lamp's mirror image
     on, off = far & (np.abs(y) < 0.02), far & (np.abs(y) > 0.3)
     assert luminance[on].mean() > 20 * luminance[off].mean()
+
+
+def test_colours_along_a_spoke_stand_where_the_grating_equation_puts_them(blender, grooves):
+    """Seen along the axis, the lamp 1.6 over x = 1: wavelength = 1.6 um sin(theta_i) all along the spoke."""
+    lamp_over_the_disc(height=1.6, x=1.0)
+    camera = scenes.add_camera(extent=1.8)
+    camera.rotation_euler = (0, 0, 0)
+    plane = scenes.add_plane(half=1.0)
+    materials.diffracting(plane, grooves, fresnel="CONDUCTOR", orientation="RADIAL", environment=0)
+    image = scenes.render(360)
+    axis = ((np.arange(360) + 0.5) / 360 - 0.5) * 1.8
+    spoke = image[178:182].mean(0)
+    wavelength = 1600 * (1.0 - axis) / np.hypot(1.0 - axis, 1.6)
+    seen = (axis > 0.15) & (wavelength > 400) & (wavelength < 690)
+    share = spoke[seen] / spoke[seen].sum(-1, keepdims=True)
+    shown = wavelength[seen]
+    assert shown.min() < 420 and shown.max() > 650
+    assert shown[np.argmax(share[:, 1])] == pytest.approx(535, abs=20)
+    assert shown[np.argmax(share[:, 2])] == pytest.approx(455, abs=25)
+    assert (share[shown > 625, 0] > 0.85).all()
