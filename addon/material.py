@@ -125,13 +125,18 @@ def atlas_image(path: Path) -> bpy.types.Image:
     return image
 
 
-def importance_image(path: Path, atlas_sha256: str) -> bpy.types.Image:
-    """The image that directs rays into the environment, beside the table; made anew for a new table."""
+def importance_image(path: Path, atlas_sha256: str) -> tuple[bpy.types.Image, float]:
+    """The image that directs rays into the environment, beside the table, and the table's albedo-free cosine.
+
+    Made anew for a new table, or where it is of an older version.
+    """
     target = path.with_name(f"{path.stem}.importance.exr")
-    if importance.made_from(target) != atlas_sha256:
-        found = importance.importance(SpectralTable.load(path))
-        importance.save_importance(found.image(), target, atlas_sha256)
-    return atlas_image(target)
+    origin = importance.read_origin(target)
+    if origin is None or origin[0] != atlas_sha256:
+        table = SpectralTable.load(path)
+        origin = (atlas_sha256, importance.albedo_free_cosine(table))
+        importance.save_importance(importance.importance(table).image(), target, *origin)
+    return atlas_image(target), origin[1]
 
 
 def apply(

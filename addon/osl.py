@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..precompute.importance import N_PHI, N_R, N_SLICES
+from ..precompute import importance
 from ..precompute.layout import TableLayout
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
@@ -23,7 +23,7 @@ FRESNEL = {"NONE": 0, "DIELECTRIC": 1, "CONDUCTOR": 2}
 LAMP_KINDS = {"NONE": 0, "SUN": 1, "BALL": 2, "RECTANGLE": 3, "ELLIPSE": 4}
 
 
-def source(layout: TableLayout, albedo_max: float) -> str:
+def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> str:
     """The complete source text for a table.
 
     The table's numbers come as constants, not as sockets, so that the compiler folds them and an
@@ -35,12 +35,16 @@ def source(layout: TableLayout, albedo_max: float) -> str:
         Coordinates and atlas geometry of the table.
     albedo_max
         Largest directional albedo of the raw model.
+    albedo_free
+        Cosine above which no albedo passes 1 (`importance.albedo_free_cosine`); 2 looks up every one.
     """
     numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
     numbers["LAMPS_MAX"] = LAMPS_MAX
-    numbers["IMPORTANCE_N_SLICES"], numbers["IMPORTANCE_N_R"], numbers["IMPORTANCE_N_PHI"] = N_SLICES, N_R, N_PHI
-    numbers["IMPORTANCE_WIDTH"], numbers["IMPORTANCE_HEIGHT"] = max(N_R, N_PHI), N_SLICES * (N_R + 1)
+    numbers["TABLE_ALBEDO_FREE"] = float(albedo_free)
+    numbers["TABLE_IS_LINEAR_IN_W"] = int(layout.power == 1.0)
+    for name in ("N_VIEWS", "VIEW_END", "AZIMUTHS_STEP", "AZIMUTHS_MAX", "N_R", "N_PHI", "WIDTH", "HEIGHT"):
+        numbers[f"IMPORTANCE_{name}"] = float(getattr(importance, name))
     numbers.update({f"FRESNEL_{name}": value for name, value in FRESNEL.items()})
     numbers.update({f"LAMP_{name}": value for name, value in LAMP_KINDS.items()})
     defines = "".join(f"#define {name} {value!r}\n" for name, value in sorted(numbers.items()))

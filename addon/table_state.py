@@ -11,7 +11,7 @@ from typing import Any
 
 from ..precompute.constants import TABLE_FORMAT_VERSION
 from ..precompute.errors import TableError
-from ..precompute.importance import N_PHI, N_R, N_SLICES
+from ..precompute.importance import HEIGHT, WIDTH
 from ..precompute.layout import TableLayout
 from ..precompute.table import read_sidecar
 
@@ -43,7 +43,7 @@ class TableState:
         """Texture memory of the table and of the image that directs rays; 0 where it is not ready."""
         if self.layout is None:
             return 0
-        return self.layout.texel_bytes + max(N_R, N_PHI) * N_SLICES * (N_R + 1) * 8
+        return self.layout.texel_bytes + WIDTH * HEIGHT * 16  # floats, RGB padded to RGBA
 
     @property
     def summary(self) -> str:
