@@ -172,9 +172,9 @@ def apply(
     kind = "ShaderNodeScript" if settings.implementation == "OSL" else "ShaderNodeGroup"
     node = _place_node(material, kind)
     if settings.implementation == "OSL":
-        script_node.fill(node, _source_text(path.stem, osl.source(layout, albedo_max)))
+        directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
+        script_node.fill(node, _source_text(path.stem, osl.source(layout, albedo_max, albedo_free=albedo_free)))
         node.inputs["Atlas"].default_value = image.filepath
-        directions = importance_image(path, sidecar["atlas"]["sha256"])
         node.inputs["Importance"].default_value = directions.filepath
     else:
         image.pack()
