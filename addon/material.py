@@ -15,7 +15,7 @@ from ..precompute.colour import xyz_to_rgb_matrix
 from ..precompute.errors import ParameterError, TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import SpectralTable, read_sidecar
-from . import frame, lights, nodes_twin, osl, paths, script_node, travel
+from . import frame, lights, nodes_twin, osl, paths, script_node, setup, travel
 from .versions import working_space
 
 #: Name of the node that holds a material's diffraction.
@@ -192,8 +192,7 @@ def apply(
     travel.sync(material)
     light = sidecar["colour"]["illuminant"]
     material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(light)
-    # The correction bends the half vectors that stand in for normals.
-    material.cycles.use_bump_map_correction = False
+    setup.prepare_material(material)
     return material
 
 

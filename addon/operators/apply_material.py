@@ -86,6 +86,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
         lamps = lights.lamp_objects(context.scene)
+        setup.take_up(context.scene)
         try:
             made = {}
             for ob in context.selected_objects:
@@ -127,4 +128,24 @@ def _give(ob, table, settings, lamps, made) -> None:
         ob.data.materials.append(made[old])
 
 
-CLASSES = (DIFFRACTION_OT_apply_material,)
+class DIFFRACTION_OT_restore_settings(bpy.types.Operator):
+    """Give back the settings of scene, lamps and materials that Apply changed; diffraction then renders wrongly"""
+
+    bl_idname = "diffraction.restore_settings"
+    bl_label = "Restore Settings"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not setup.changes(context.scene):
+            cls.poll_message_set("Nothing was changed")
+            return False
+        return True
+
+    def execute(self, context):
+        count = setup.restore_scene(context.scene)
+        self.report({"INFO"}, f"Restored {count} setting{'s' * (count != 1)}; Apply sets them again")
+        return {"FINISHED"}
+
+
+CLASSES = (DIFFRACTION_OT_apply_material, DIFFRACTION_OT_restore_settings)

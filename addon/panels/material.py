@@ -7,7 +7,7 @@ import re
 
 import bpy
 
-from .. import material, paths, scale, travel
+from .. import material, paths, scale, setup, travel
 from ..operators.files import farm_copies, tables
 from ..table_state import READY, table_state
 from .bake import scene_table
@@ -116,6 +116,23 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             layout.operator("diffraction.collect_files", icon="FILE_PARENT")
 
 
+class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):
+    """Settings of Blender that the materials need and that Apply changed"""
+
+    bl_label = "Changed Settings"
+    bl_parent_id = "DIFFRACTION_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return bool(setup.changes(context.scene))
+
+    def draw(self, context):
+        for text in setup.changes(context.scene):
+            self.layout.label(text=text, icon="CHECKMARK")
+        self.layout.operator("diffraction.restore_settings", icon="LOOP_BACK")
+
+
 def _active(context: bpy.types.Context) -> bpy.types.Material | None:
     return context.object.active_material if context.object is not None else None
 
@@ -131,4 +148,4 @@ def _scale(context: bpy.types.Context) -> list[str]:
     return scale.warnings(context.scene, context.object, chosen.get("ensemble", "average"), sigma_s, patch)
 
 
-CLASSES = (DIFFRACTION_PT_material, DIFFRACTION_PT_active, DIFFRACTION_PT_files)
+CLASSES = (DIFFRACTION_PT_material, DIFFRACTION_PT_active, DIFFRACTION_PT_files, DIFFRACTION_PT_settings)

@@ -178,6 +178,43 @@ def test_settings_are_remembered_and_given_back(blender, tmp_path):
     assert lamp.data.cycles.use_multiple_importance_sampling
 
 
+def test_settings_are_shown_and_given_back_by_a_button(blender, tmp_path):
+    """Nothing sets them again behind the user's back, until Apply is pressed."""
+    from diffraction_shader.addon import setup
+
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    plane, lamp, scene = scenes.add_plane(), add_lamp("POINT"), bpy.context.scene
+    lamp.data.cycles.use_multiple_importance_sampling = True
+    scene.cycles.shading_system = False
+    assert not bpy.ops.diffraction.restore_settings.poll()
+    bpy.context.view_layer.update()
+    plane.select_set(True)
+    scene.diffraction.table_path = str(tmp_path / "t.exr")
+    assert bpy.ops.diffraction.apply_material() == {"FINISHED"}
+
+    def settings():
+        return (
+            scene.cycles.shading_system,
+            lamp.data.cycles.use_multiple_importance_sampling,
+            plane.active_material.cycles.use_bump_map_correction,
+        )
+
+    assert settings() == (True, False, False)
+    assert setup.changes(scene) == [
+        "Open Shading Language on", "Multiple importance sampling off: 1 lamp", "Bump map correction off: 1 material"
+    ]  # fmt: skip
+    assert bpy.ops.diffraction.restore_settings() == {"FINISHED"}
+    assert settings() == (False, True, True)
+    add_lamp("SPOT", name="another")  # the handler binds it and leaves the settings alone
+    bpy.context.view_layer.update()
+    bpy.context.view_layer.update()
+    assert plane.active_material.node_tree.nodes["Diffraction"].inputs["Lamp1Kind"].default_value != 0
+    assert settings() == (False, True, True)
+    assert setup.changes(scene) == []
+    assert bpy.ops.diffraction.apply_material() == {"FINISHED"}
+    assert settings() == (True, False, False)
+
+
 def test_lamp_in_a_linked_collection_that_an_empty_shows(blender, tmp_path):
     """Linked from a library, shown by a turned and animated empty: the picture of a plain lamp."""
     lamp = add_lamp("POINT", (0.5, 0.2, 1.0), shadow_soft_size=0.0)
