@@ -29,8 +29,12 @@ def read(path):
         return image.channels()["RGBA"].pixels[::-1, :, :3].astype(float)
 
 
-def test_saved_file_renders_alike_without_the_addon_in_another_folder(blender, tmp_path):
-    """In a fresh process with scripts off, the folder moved; the sun turns by animation of its parent."""
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_saved_file_renders_alike_without_the_addon_in_another_folder(blender, tmp_path, implementation):
+    """In a fresh process with scripts off, the folder moved; the sun turns by animation of its parent.
+
+    Nodes need no file beside the .blend.
+    """
     folder = tmp_path / "made here"
     folder.mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "scene.blend"))
@@ -43,10 +47,13 @@ def test_saved_file_renders_alike_without_the_addon_in_another_folder(blender, t
         pivot.rotation_euler = (0, 0, angle)
         pivot.keyframe_insert("rotation_euler", frame=frame)
     scenes.add_camera()
-    materials.diffracting(plane, folder / "diffraction" / "t.exr", fresnel="NONE", environment=0)
+    path = folder / "diffraction" / "t.exr"
+    materials.diffracting(plane, path, implementation=implementation, fresnel="NONE", environment=0)
     bpy.context.scene.frame_set(11)
     here = scenes.render(24)
     bpy.ops.wm.save_mainfile()
+    if implementation == "NODES":
+        shutil.rmtree(folder / "diffraction")
     moved = tmp_path / "moved there"
     shutil.move(folder, moved)
     subprocess.run(
