@@ -9,6 +9,7 @@ from .. import paths, pictures, properties
 from ..job import Job
 from ..numbers import decimal
 from ..table_state import READY, table_state
+from .from_panel import take
 from .threaded import Threaded, busy
 
 
@@ -31,10 +32,7 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
 
     def prepare(self, context):
         """Take the panel's values where the caller gave none."""
-        state = context.scene.diffraction
-        for name in ("theta", "phi", "size", "linear"):
-            if not self.properties.is_property_set(name, ghost=False):
-                setattr(self, name, getattr(state, f"map_{name}"))
+        take(self, context, ("theta", "phi", "size", "linear"), "map_")
 
     def jobs(self, context):
         """Load and evaluate, away from Blender."""

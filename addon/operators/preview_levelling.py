@@ -7,6 +7,7 @@ import bpy
 
 from .. import bake_settings, pictures, properties, scan_store
 from ..job import Job
+from .from_panel import take
 from .threaded import Threaded, busy, has_scan
 
 #: Name of the image.
@@ -37,12 +38,9 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
         """Read, prepare and draw, away from Blender."""
         from dataclasses import replace
 
-        state = context.scene.diffraction
-        for name in bake_settings.LEVELLING:
-            if not self.properties.is_property_set(name, ghost=False):
-                setattr(self, name, getattr(state, name))
+        take(self, context, bake_settings.LEVELLING)
         source, reading = scan_store.bake_source(context.scene)
-        chosen = replace(bake_settings.parameters(state), **bake_settings.levelling(self))
+        chosen = replace(bake_settings.parameters(context.scene.diffraction), **bake_settings.levelling(self))
 
         def work(progress):
             from ...precompute.levelling_picture import levelling_picture

@@ -13,6 +13,7 @@ import numpy as np
 from .. import bake_settings, pictures, properties, scan_store
 from ..job import Job
 from ..numbers import decimal
+from .from_panel import take
 from .threaded import Threaded, busy, has_scan
 
 #: Name of the image.
@@ -39,9 +40,7 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
 
     def prepare(self, context):
         """Take the panel's values where the caller gave none."""
-        for name in ("theta", "order"):
-            if not self.properties.is_property_set(name, ghost=False):
-                setattr(self, name, getattr(context.scene.diffraction, f"plot_{name}"))
+        take(self, context, ("theta", "order"), "plot_")
 
     def jobs(self, context):
         """Read, prepare, sum and draw, away from Blender."""

@@ -8,10 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .preset import Parameter, Preset
-
-NM = 1e-9
-UM = 1e-6
+from .preset import NM, UM, Parameter, Preset, seed
 
 
 def _bumps(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapping[str, Any]) -> np.ndarray:
@@ -47,7 +44,7 @@ PRESETS = (
             Parameter("width_um", 2.0, "um", 0.2, 50.0, "Size of a bump along y"),
             Parameter("height_nm", 150.0, "nm", -2000.0, 2000.0, "Height of a bump; negative ones are pits"),
             Parameter("density_per_um2", 0.2, "per_um2", 0.0, 2.0, "Bumps a square micrometre"),
-            Parameter("seed", 1, "", 0, 1000000, "Another number gives other places"),
+            seed("other places"),
         ),
     ),
 )

@@ -13,10 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from .preset import Parameter, Preset
-
-NM = 1e-9
-UM = 1e-6
+from .preset import NM, UM, Parameter, Preset, seed
 
 
 def _disc(clock_um: float, shortest: int, longest: int) -> Any:
@@ -63,7 +60,7 @@ def _parameters(pitch: float, width: float, depth: float) -> tuple[Parameter, ..
         Parameter(
             "depth_nm", depth, "nm", 0.0, 1000.0, "Height of the relief; times 1.58 for a disc seen through plastic"
         ),
-        Parameter("seed", 1, "", 0, 1000000, "Another number gives other data"),
+        seed("other data"),
     )
 
 

@@ -8,11 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .preset import Parameter, Preset
+from .preset import NM, UM, Parameter, Preset, seed
 from .randomness import smooth_field
-
-NM = 1e-9
-UM = 1e-6
 
 
 def _foil(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapping[str, Any]) -> np.ndarray:
@@ -60,7 +57,7 @@ PRESETS = (
             Parameter("scratch_width_um", 0.8, "um", 0.2, 20.0, "Width of the finest scratches"),
             Parameter("scratch_length_um", 60.0, "um", 2.0, 1000.0, "Length of a scratch"),
             Parameter("rms_nm", 100.0, "nm", 0.0, 1000.0, "Standard deviation of the heights"),
-            Parameter("seed", 1, "", 0, 1000000, "Another number gives another piece"),
+            seed("another piece"),
         ),
     ),
 )

@@ -8,10 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from .preset import Parameter, Preset
-
-NM = 1e-9
-UM = 1e-6
+from .preset import NM, UM, Parameter, Preset
 
 
 def _flat(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapping[str, Any]) -> np.ndarray:

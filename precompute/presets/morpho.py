@@ -15,10 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from .preset import Parameter, Preset
-
-NM = 1e-9
-UM = 1e-6
+from .preset import NM, UM, Parameter, Preset, seed
 
 
 def _morpho(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapping[str, Any]) -> np.ndarray:
@@ -59,7 +56,7 @@ PRESETS = (
             Parameter("lamella_nm", 200.0, "nm", 0.0, 1000.0, "Height from one lamella to the next"),
             Parameter("lamella_length_um", 2.0, "um", 0.2, 50.0, "Visible length of a lamella along y"),
             Parameter("irregularity_nm", 200.0, "nm", 0.0, 2000.0, "Spread of the ridges' heights"),
-            Parameter("seed", 1, "", 0, 1000000, "Another number gives another scale"),
+            seed("another scale"),
         ),
     ),
 )

@@ -9,6 +9,9 @@ from typing import Any
 
 import numpy as np
 
+#: Metres.
+NM, UM = 1e-9, 1e-6
+
 
 @dataclass(frozen=True)
 class Parameter:
@@ -39,6 +42,11 @@ class Parameter:
     def flag(self) -> str:
         """The command line's name of it."""
         return "--" + self.name.replace("_", "-")
+
+
+def seed(what: str) -> Parameter:
+    """The parameter of random structures; another number gives ``what``."""
+    return Parameter("seed", 1, "", 0, 1000000, f"Another number gives {what}")
 
 
 @dataclass(frozen=True)

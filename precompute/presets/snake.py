@@ -17,11 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from .preset import Parameter, Preset
+from .preset import NM, UM, Parameter, Preset, seed
 from .randomness import smooth_field
-
-NM = 1e-9
-UM = 1e-6
 
 
 def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapping[str, Any]) -> np.ndarray:
@@ -92,7 +89,7 @@ _XENOPELTIS = (
     Parameter("height_nm", 127.0, "nm", 0.0, 1000.0, "Height of the fingers' tips above the membrane"),
     Parameter("waviness_nm", 31.0, "nm", 0.0, 500.0, "Standard deviation of the skin's long waves"),
     Parameter("disorder_percent", 100.0, "percent", 0.0, 300.0, "Disorder relative to the measured skin"),
-    Parameter("seed", 1, "", 0, 1000000, "Another number gives another piece of skin"),
+    seed("another piece of skin"),
 )
 _ELAPHE = {"row_period_um": 4.0, "finger_um": 1.06, "height_nm": 120.0, "waviness_nm": 45.0, "disorder_percent": 100.0}
 
