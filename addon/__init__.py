@@ -10,6 +10,8 @@ def _parts():
 
 def register() -> None:
     """Register all classes, then what hangs on them."""
+    import atexit
+
     import bpy
 
     for part in _parts():
@@ -17,11 +19,17 @@ def register() -> None:
             bpy.utils.register_class(cls)
         if hasattr(part, "register"):
             part.register()
+    if bpy.app.module:  # Blender 4.5 as a module crashes at its end where anything is still registered
+        atexit.register(unregister)
 
 
 def unregister() -> None:
     """Remove everything in reverse order."""
+    import atexit
+
     import bpy
+
+    atexit.unregister(unregister)
 
     for part in reversed(_parts()):
         if hasattr(part, "unregister"):

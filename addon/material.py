@@ -16,7 +16,7 @@ from ..precompute.errors import ParameterError, TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import SpectralTable, read_sidecar
 from . import frame, lights, nodes_twin, osl, paths, script_node, setup, travel
-from .versions import working_space
+from .versions import give_nodes, working_space
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"
@@ -166,6 +166,7 @@ def apply(
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
     layout = TableLayout.from_dict(sidecar["layout"])
     image = atlas_image(path)
+    give_nodes(material)
 
     directions = None
     albedo_max = float(sidecar["albedo_max"])
@@ -225,7 +226,7 @@ def settings_of(material: bpy.types.Material) -> Settings:
     orientation, turn = "UV", inputs["Rotation"].default_value
     if attribute is not None:
         orientation = "ATTRIBUTE"
-    elif tangent is not None and tangent.bl_idname == "ShaderNodeTangent":
+    elif tangent is not None and getattr(tangent, "direction_type", "") == "RADIAL":
         orientation, turn = "RADIAL", turn - frame.RADIAL_TURN
     elif picture is not None:
         orientation = "TEXTURE"
@@ -357,17 +358,23 @@ def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) 
         tree.nodes.remove(old)
     at = (node.location.x - 280.0, node.location.y - 200.0)
     turn = settings.rotation
+    bitangent = handedness = None
     if settings.orientation == "ATTRIBUTE":
-        tangent, bitangent = frame.attribute_frame(tree, settings.attribute, at)
+        tangent, _ = frame.attribute_frame(tree, settings.attribute, at)
     elif settings.orientation == "RADIAL":
-        tangent, bitangent = frame.radial_frame(tree, at)
+        tangent, _ = frame.radial_frame(tree, at)
         turn += frame.RADIAL_TURN
+    elif "Handedness" in node.inputs:
+        tangent, handedness = frame.uv_directions(tree, settings.uv_map, at)
     else:
         tangent, bitangent = frame.uv_frame(tree, settings.uv_map, at)
     tree.links.new(tangent, node.inputs["Tangent"])
     if bitangent is not None:
         tree.links.new(bitangent, node.inputs["Bitangent"])
-    node.inputs["TangentIsDirection"].default_value = int(settings.orientation == "ATTRIBUTE")
+    if handedness is not None:
+        tree.links.new(handedness, node.inputs["Handedness"])
+    is_direction = settings.orientation == "ATTRIBUTE" or handedness is not None
+    node.inputs["TangentIsDirection"].default_value = int(is_direction)
     node.inputs["Rotation"].default_value = turn
     if settings.orientation == "TEXTURE":
         image = bpy.data.images.get(settings.angle_image)

@@ -26,6 +26,17 @@ def limits() -> list[str]:
     return found
 
 
+def give_nodes(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
+    """The shader nodes of a material or world, which has none by itself before 5.0; its plain colour stays."""
+    if bpy.app.version < (5, 0) and not block.use_nodes:
+        fresh = block.node_tree is None
+        block.use_nodes = True
+        shader = block.node_tree.nodes.get("Principled BSDF")
+        if fresh and shader is not None:
+            shader.inputs["Base Color"].default_value = block.diffuse_color
+    return block.node_tree
+
+
 def start_gpu() -> None:
     """A GPU context in background mode, where this Blender makes none by itself.
 

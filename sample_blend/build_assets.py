@@ -152,6 +152,8 @@ def _stage(scene: bpy.types.Scene) -> tuple[bpy.types.Object, bpy.types.Object]:
     scene.camera = _link(scene, "Camera", camera)
     scene.camera.location, scene.camera.rotation_euler = (0.0, -3.6, 0.0), (math.radians(90.0), 0.0, 0.0)
     world = bpy.data.worlds.new("Dim Sky")
+    if world.node_tree is None:  # before Blender 5.0
+        world.use_nodes = True
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.05, 0.06, 0.08, 1.0)
     scene.world = world
     scene.view_settings.view_transform = "Standard"

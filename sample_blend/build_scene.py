@@ -95,8 +95,15 @@ def _ground() -> bpy.types.Object:
     return _link(bpy.data.objects.new("Ground", mesh))
 
 
+def _give_nodes(block: bpy.types.Material | bpy.types.World) -> None:
+    """Blender 4.5 makes them only on request."""
+    if block.node_tree is None:
+        block.use_nodes = True
+
+
 def _plain(name: str, colour: tuple[float, float, float, float]) -> bpy.types.Material:
     material = bpy.data.materials.new(name)
+    _give_nodes(material)
     nodes = material.node_tree.nodes
     nodes.clear()
     shader, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")
@@ -128,6 +135,7 @@ def _camera() -> bpy.types.Object:
 
 def _world(scene: bpy.types.Scene) -> None:
     world = bpy.data.worlds.new("Dusk")
+    _give_nodes(world)
     world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.10, 0.13, 0.18, 1.0)
     world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.4
     scene.world = world

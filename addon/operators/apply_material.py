@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from ...precompute.errors import DiffractionError
 from .. import lights, material, paths, properties, setup
+from ..versions import give_nodes
 
 _FROM_PANEL = (
     "implementation",
@@ -120,7 +121,7 @@ def _give(ob, table, settings, lamps, made) -> None:
             new.name = f"{old.name} diffraction"
         else:
             new = bpy.data.materials.new(f"Diffraction {table.stem}")
-            new.node_tree.nodes.clear()
+            give_nodes(new).nodes.clear()
         made[old] = material.apply(new, table, settings, lamps)
     if ob.material_slots:
         ob.active_material = made[old]

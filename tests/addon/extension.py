@@ -19,3 +19,10 @@ def load():
         sys.modules[NAME] = module
         spec.loader.exec_module(module)
     return sys.modules[NAME]
+
+
+def give_nodes(block):
+    """The nodes of a new material or world: Blender 4.5 makes them only on request."""
+    if block.node_tree is None:
+        block.use_nodes = True
+    return block.node_tree

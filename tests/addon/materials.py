@@ -13,6 +13,7 @@ def diffracting(ob, table_path, implementation="OSL", pigment=(0, 0, 0, 1), **se
 
     bpy.context.view_layer.update()
     made = bpy.data.materials.new(ob.name)
+    extension.give_nodes(made)
     made.node_tree.nodes.clear()
     material.apply(
         made,
@@ -45,6 +46,7 @@ def lambertian(monkeypatch):
 def white_diffuse(ob):
     """Give an object a diffuse material of albedo 1."""
     made = bpy.data.materials.new("white")
+    extension.give_nodes(made)
     nodes = made.node_tree.nodes
     nodes.clear()
     shader, output = nodes.new("ShaderNodeBsdfDiffuse"), nodes.new("ShaderNodeOutputMaterial")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from precompute.colour import luminance_row, xyz_to_rgb_matrix
-from tests.addon import materials, scenes, tables
+from tests.addon import extension, materials, scenes, tables
 from tests.truth import radiance
 
 VIEWS = [(0.0, 0.0, 1.0), (0.5, 0.3, 1.0), (-0.9, 0.4, 0.6)]
@@ -14,6 +14,7 @@ VIEWS = [(0.0, 0.0, 1.0), (0.5, 0.3, 1.0), (-0.9, 0.4, 0.6)]
 
 def white_world(colour=(1, 1, 1, 1)):
     world = bpy.data.worlds.new("world")
+    extension.give_nodes(world)
     world.node_tree.nodes["Background"].inputs["Color"].default_value = colour
     bpy.context.scene.world = world
     return world
@@ -90,6 +91,7 @@ def test_emitting_mesh_is_seen(blender, tmp_path):
     panel.rotation_euler = (np.pi, 0, 0)
     panel.visible_camera = False
     glow = bpy.data.materials.new("glow")
+    extension.give_nodes(glow)
     glow.node_tree.nodes.clear()
     emission, output = (glow.node_tree.nodes.new(f"ShaderNode{name}") for name in ("Emission", "OutputMaterial"))
     emission.inputs["Strength"].default_value = 3.0

@@ -88,6 +88,7 @@ def test_shader_that_was_there_becomes_the_pigment(saved, scan):
     import_and_bake(scan)
     plane = scenes.add_plane()
     painted = bpy.data.materials.new("paint")
+    extension.give_nodes(painted)
     before = painted.node_tree.nodes["Material Output"].inputs["Surface"].links[0].from_node.name
     plane.data.materials.append(painted)
     bpy.context.view_layer.update()

@@ -19,6 +19,7 @@ def diffracting(ob, table_path, lamps=None, **settings):
 
     bpy.context.view_layer.update()
     made = bpy.data.materials.new(ob.name)
+    extension.give_nodes(made)
     made.node_tree.nodes.clear()
     material.apply(made, table_path, material.Settings(**settings), lamps or lights.lamp_objects(bpy.context.scene))
     made.node_tree.nodes["Pigment"].inputs["Color"].default_value = (0, 0, 0, 1)
@@ -177,6 +178,7 @@ def test_normal_map_of_the_pigment_tilts_the_surface(blender, tmp_path, implemen
     scenes.add_sun(sun)
     scenes.add_camera((0.1, 0.2, 1.0), extent=0.2)
     made = bpy.data.materials.new("painted")
+    extension.give_nodes(made)
     nodes, links = made.node_tree.nodes, made.node_tree.links
     nodes.clear()
     shader, bump, output = (nodes.new(f"ShaderNode{n}") for n in ("BsdfDiffuse", "NormalMap", "OutputMaterial"))

@@ -6,12 +6,15 @@ from pathlib import Path
 import bpy
 from mathutils import Matrix, Vector
 
+from tests.addon import extension
+
 
 def give_material(ob, path, name="material", **settings):
     """A material of ours on an object."""
     from diffraction_shader.addon import lights, material
 
     shaded = bpy.data.materials.new(name)
+    extension.give_nodes(shaded)
     shaded.node_tree.nodes.clear()
     bpy.context.view_layer.update()
     material.apply(shaded, str(Path(path)), material.Settings(**settings), lights.lamp_objects(bpy.context.scene))
