@@ -8,7 +8,7 @@ import pytest
 from precompute.bake import bake
 from precompute.colour import luminance_row, xyz_to_rgb_matrix
 from precompute.parameters import BakeParameters
-from precompute.presets import make_preset
+from precompute.presets import PRESETS, make_preset
 from precompute.table import SpectralTable
 from tests.addon import materials, scenes
 from tests.addon.test_environment import hemisphere, white_world
@@ -50,6 +50,34 @@ def test_gratings_equal_the_quadrature_and_gain_nothing(blender, tmp_path, name,
     rendered = np.linalg.solve(xyz_to_rgb_matrix(), image.mean((0, 1)))
     white = np.array(table.info["colour"]["white_xyz"])
     assert (rendered / white <= 1.01).all()
+
+
+@pytest.fixture(scope="module")
+def preset_table(tmp_path_factory):
+    """Paths of the presets' tables, baked once each."""
+    made, folder = {}, tmp_path_factory.mktemp("presets")
+
+    def path(name):
+        if name not in made:
+            made[name] = folder / f"{name}.exr"
+            bake(make_preset(name, 24e-6, 270), BakeParameters(sigma_s_m=1.5e-6, detail=0.6)).save(made[name])
+        return made[name]
+
+    return path
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("theta", [0, 40, 80])
+@pytest.mark.parametrize("name", sorted(PRESETS))
+def test_every_preset_equals_the_quadrature_and_gains_nothing(blender, preset_table, name, theta):
+    path = preset_table(name)
+    table = SpectralTable.load(path)
+    image, wr = furnace(path, theta, samples=144)
+    wi, cell = hemisphere(1500)
+    xyz = (radiance.f_cos_xyz(table, wi, wr) * cell[..., None]).sum((0, 1))
+    assert (image @ luminance_row()).mean() == pytest.approx(xyz[1], rel=0.01)
+    rendered = np.linalg.solve(xyz_to_rgb_matrix(), image.mean((0, 1)))
+    assert (rendered / table.info["colour"]["white_xyz"] <= 1.01).all()
 
 
 def test_swapping_light_and_viewer_changes_nothing(blender, tmp_path):
