@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Make every picture of docs/ anew, in docs/pictures/, and the numbers of the pages that hold measurements.
 
-The snake and its BRDF map come from the demo, so they show what the installed extension does.
+The BRDF map comes from the demo, so it shows what the installed extension does. Pictures of Blender's own
+window (window.png, panel_*.png) are the only ones that need a display; they are taken by hand.
 """
 
 import shutil
@@ -14,11 +15,10 @@ PICTURES = ROOT / "docs" / "pictures"
 
 
 def demo_pictures():
-    """The snake and its BRDF map, by tools/demo.py."""
+    """The snake's BRDF map, by tools/demo.py."""
     out = ROOT / "out" / "docs"
     subprocess.run([sys.executable, ROOT / "tools" / "demo.py", "--out", out], check=True)
-    for name in ("snake.png", "brdf_map.png"):
-        shutil.copy(out / name, PICTURES / name)
+    shutil.copy(out / "brdf_map.png", PICTURES)
 
 
 def preset_pictures():
@@ -29,6 +29,11 @@ def preset_pictures():
 def viewport_picture():
     """Cycles, the viewport and FLSS side by side."""
     subprocess.run([sys.executable, ROOT / "tools" / "viewport_pictures.py", "--out", PICTURES], check=True)
+
+
+def gallery():
+    """The large pictures; the longest part."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs_gallery.py"], check=True)
 
 
 def pages_with_numbers():
@@ -48,6 +53,7 @@ def main():
     demo_pictures()
     preset_pictures()
     guide()
+    gallery()
     viewport_picture()
     pages_with_numbers()
     for path in sorted(PICTURES.iterdir()):

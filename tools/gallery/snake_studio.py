@@ -20,10 +20,13 @@ def build(out):
     environment = tree.nodes.new("ShaderNodeTexEnvironment")
     environment.image = picture
     tree.links.new(environment.outputs["Color"], tree.nodes["Background"].inputs["Color"])
-    tree.nodes["Background"].inputs["Strength"].default_value = 4.0
+    tree.nodes["Background"].inputs["Strength"].default_value = 3.0
     stage.diffract(bodies, "snake", environment=1)
     scene.cycles.sample_clamp_indirect = 6.0
+    scene.view_settings.exposure = 0.5
     stage.aim(scene.camera, (-0.75, -1.85, 1.35), (-0.04, -0.10, 0.08))
+    # Mirrors that are drawn at random make noise of the passes that would guide the denoiser.
+    scene.cycles.denoising_input_passes = "RGB"
     lens = scene.camera.data
     lens.lens, lens.clip_start = 60, 0.01
     lens.dof.use_dof, lens.dof.focus_distance, lens.dof.aperture_fstop = True, 1.75, 4.0

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A photographer's studio as an environment picture: softboxes, strips and a bulb on a nearly black room."""
+"""A photographer's studio as an environment picture: three softboxes in a nearly black room."""
 
 from __future__ import annotations
 
@@ -7,11 +7,9 @@ import numpy as np
 
 #: Softboxes: direction to the middle, width and height (radians), strength (W / m^2 / sr), RGB.
 BOXES = (
-    ((0.10, 0.55, 0.83), (0.90, 0.10), 26.0, (1.00, 0.97, 0.93)),
-    ((-0.85, 0.30, 0.42), (0.09, 0.85), 20.0, (0.86, 0.93, 1.00)),
-    ((0.88, 0.05, 0.46), (0.09, 0.85), 16.0, (1.00, 0.94, 0.86)),
-    ((0.05, -0.65, 0.75), (0.35, 0.06), 12.0, (1.00, 1.00, 1.00)),
-    ((-0.25, 0.60, 0.76), (0.10, 0.10), 60.0, (1.00, 0.98, 0.95)),
+    ((-0.10, 0.75, 0.65), (1.10, 0.30), 9.0, (1.00, 0.97, 0.93)),
+    ((-0.88, 0.25, 0.40), (0.30, 0.80), 9.0, (0.86, 0.93, 1.00)),
+    ((0.90, 0.05, 0.44), (0.30, 0.80), 8.0, (1.00, 0.94, 0.86)),
 )
 
 #: Radiance of the room from floor to ceiling.
