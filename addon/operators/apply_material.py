@@ -9,6 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ...precompute.errors import DiffractionError
 from .. import lights, material, paths, properties, setup
 from ..versions import give_nodes
+from .from_panel import take
 
 _FROM_PANEL = (
     "implementation",
@@ -66,9 +67,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         return True
 
     def invoke(self, context, event):
-        for name in _FROM_PANEL:
-            if not self.properties.is_property_set(name, ghost=False):
-                setattr(self, name, getattr(context.scene.diffraction, name))
+        take(self, context, _FROM_PANEL)
         return self.execute(context)
 
     def execute(self, context):
@@ -88,6 +87,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         context.view_layer.update()  # new lamps are not yet in the layer
         lamps = lights.lamp_objects(context.scene)
         setup.take_up(context.scene)
+        manager = context.window_manager
+        manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
         try:
             made = {}
             for ob in context.selected_objects:
@@ -96,6 +97,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        finally:
+            manager.progress_end()
         notes = setup.prepare_scene(context.scene, lamps, self.implementation == "OSL")
         self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
         if not lamps and context.scene.world is None:
