@@ -8,6 +8,7 @@ import math
 import bpy
 
 TANGENT, BITANGENT = "Diffraction Tangent", "Diffraction Bitangent"
+HANDEDNESS = "Diffraction Handedness"
 ATTRIBUTE, ANGLE_IMAGE = "Diffraction Attribute", "Diffraction Angle Image"
 
 #: Rotation (radians) that makes the tangent of `radial_frame` point outwards.
@@ -43,6 +44,33 @@ def uv_frame(
         node.location = (at[0], at[1] - 180.0 * row)
         sockets.append(node.outputs["Normal"])
     return sockets[0], sockets[1]
+
+
+def uv_directions(
+    tree: bpy.types.NodeTree, uv_map: str = "", at: tuple[float, float] = (0.0, 0.0)
+) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
+    """Sockets with the direction of growing u and the sign of mirrored UV maps (1 or -1), for OSL.
+
+    Half the cost of `uv_frame`, and the tangent comes as a direction. The sign is an attribute that
+    only Cycles knows.
+
+    Parameters
+    ----------
+    tree
+        Where to add the nodes.
+    uv_map
+        Name of the UV map; empty takes the active one.
+    at
+        Location in the node editor.
+    """
+    node, sign = tree.nodes.new("ShaderNodeTangent"), tree.nodes.new("ShaderNodeAttribute")
+    node.name, sign.name = TANGENT, HANDEDNESS
+    node.label, sign.label = "Scan's x", "Mirrored UV"
+    node.direction_type = "UV_MAP"
+    node.uv_map = uv_map
+    sign.attribute_name = f"{uv_map}.tangent_sign" if uv_map else "tangent_sign"
+    node.location, sign.location = at, (at[0], at[1] - 180.0)
+    return node.outputs["Tangent"], sign.outputs["Fac"]
 
 
 def attribute_frame(
