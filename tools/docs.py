@@ -36,6 +36,11 @@ def gallery():
     subprocess.run([sys.executable, ROOT / "tools" / "docs_gallery.py"], check=True)
 
 
+def implementation_picture():
+    """OSL, Nodes in Cycles and Nodes in EEVEE side by side."""
+    subprocess.run([sys.executable, ROOT / "tools" / "implementation_pictures.py", "--out", PICTURES], check=True)
+
+
 def pages_with_numbers():
     """The pages whose tables are filled by scripts."""
     for name in ("docs_rcwa.py", "docs_evaluation.py"):
@@ -55,6 +60,7 @@ def main():
     guide()
     gallery()
     viewport_picture()
+    implementation_picture()
     pages_with_numbers()
     for path in sorted(PICTURES.iterdir()):
         print(path.relative_to(ROOT), f"{path.stat().st_size / 1e3:.0f} kB")
