@@ -200,7 +200,7 @@ def illuminant_of(value: Any) -> Illuminant:
     if isinstance(value, Mapping):
         try:
             return Spectrum(*(tuple(map(float, value[key])) for key in ("wavelengths_m", "power")), _name_of(value))
-        except (KeyError, TypeError, ValueError) as error:
+        except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise ParameterError("The illuminant's spectrum is damaged; choose its file again.") from error
     raise ParameterError(
         f"The illuminant {str(value)[:60]!r} is unknown; choose one of {', '.join(ILLUMINANTS)}, or a file of two"

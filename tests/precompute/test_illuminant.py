@@ -251,7 +251,16 @@ def test_missing_huge_and_damaged(tmp_path):
     (tmp_path / "huge.csv").write_bytes(b"1" * (5 << 20))
     with pytest.raises(ParameterError, match="larger than 4 MB"):
         read_spectrum(tmp_path / "huge.csv")
-    for damaged in ({"power": [1]}, '{"wavelengths_m": 3}', "{", None, 7, {"wavelengths_m": ["a"], "power": [1]}):
+    for damaged in (
+        {"power": [1]},
+        '{"wavelengths_m": 3}',
+        "{",
+        None,
+        7,
+        {"wavelengths_m": ["a"], "power": [1]},
+        {"wavelengths_m": [10**400], "power": [1]},
+        ["D65"],
+    ):
         with pytest.raises(ParameterError):
             illuminant_of(damaged)
     with pytest.raises(ParameterError, match="one value each"):
