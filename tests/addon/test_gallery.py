@@ -2,6 +2,8 @@
 """What photographs of gratings show, held against the grating equation: the pictures of docs/gallery.md rest on it."""
 
 import math
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -79,3 +81,22 @@ def test_plates_stand_where_the_grating_equation_says(gallery, wavelength):
     to_lamp, to_eye = (np.array(p) - centre for p in (lamp, eye))
     path = along @ (to_lamp / np.linalg.norm(to_lamp) + to_eye / np.linalg.norm(to_eye)) * plates.PERIOD
     assert abs(path) == pytest.approx(wavelength, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_a_draft_of_the_plates_runs_from_blue_to_red(root_dir, tmp_path):
+    """The script as `make docs` calls it, small."""
+    import matplotlib.image
+
+    script = root_dir / "tools" / "docs_gallery.py"
+    subprocess.run(
+        [sys.executable, script, "plates", "--scale", "0.06", "--samples", "2", "--out", tmp_path], check=True
+    )
+    picture = matplotlib.image.imread(tmp_path / "plates.jpg")[..., :3] / 255.0
+    rows, columns, _ = picture.shape
+    band = picture[round(0.2 * rows) : round(0.55 * rows), round(0.17 * columns) : round(0.92 * columns)].mean(0)
+    lit = band.sum(-1) > 0.3
+    redness = (band[lit, 0] - band[lit, 2]) / band[lit].sum(-1)
+    assert lit.mean() > 0.5
+    assert np.corrcoef(np.flatnonzero(lit), redness)[0, 1] > 0.9
+    assert redness[0] < -0.3 and redness[-1] > 0.3

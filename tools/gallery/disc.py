@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A compact disc on a dark table under one small lamp."""
+"""A compact disc before a DVD on a dark table, under one small lamp and a strip light."""
 
 from __future__ import annotations
 
@@ -15,31 +15,28 @@ LAMP = (0.22, -0.34, 0.62)
 LAMPS = ((0.42, -0.30, 0.50), LAMP, (-0.02, -0.42, 0.55))
 
 
-def disc(name="Disc"):
-    """The parts of a disc as a list: the data's ring first, which diffracts."""
+def disc(name):
+    """A disc in its parts, all children of the data's ring, which is returned: it alone diffracts."""
     data = stage.link(f"{name} data", stage.lathe("Data", [(DATA, THICK), (HUB, THICK)]))
-    metal = stage.plain("Mirror band", (0.75, 0.76, 0.78), 0.08, 1.0)
-    edge_of = stage.plain("Edge", (0.06, 0.065, 0.07), 0.2)
+    plastic = stage.plain("Edge", (0.06, 0.065, 0.07), 0.2)
     clear = stage.plain("Polycarbonate", (0.05, 0.055, 0.06), 0.08)
     clear.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = 0.6
-    back = stage.plain("Print", (0.02, 0.02, 0.022), 0.4)
-    edge = 0.0002
-    rim = [(DATA, THICK), (RIM - edge, THICK), (RIM, THICK - edge), (RIM, edge), (RIM - edge, 0.0), (HUB, 0.0)]
+    edge, ridge, band = 0.0002, 0.0003, HUB - 0.0012
+    rim = [(HUB, 0.0), (RIM - edge, 0.0), (RIM, edge), (RIM, THICK - edge), (RIM - edge, THICK), (DATA, THICK)]
     hub = [
-        (HOLE, THICK * 0.4), (HOLE, THICK - edge), (HOLE + edge, THICK), (0.0168, THICK),
-        (0.0171, THICK + 0.0003), (0.0176, THICK + 0.0003), (0.0179, THICK), (HUB - 0.0012, THICK),
+        (band, THICK), (0.0179, THICK), (0.0176, THICK + ridge), (0.0171, THICK + ridge), (0.0168, THICK),
+        (HOLE + edge, THICK), (HOLE, THICK - edge), (HOLE, THICK * 0.4),
     ]  # fmt: skip
-    parts = [data]
     for part, profile, material in (
-        ("rim", rim[::-1], edge_of), ("hub", hub[::-1], clear), ("band", [(HUB, THICK), (HUB - 0.0012, THICK)], metal),
-        ("back", [(HUB, THICK * 0.5), (RIM - edge, THICK * 0.5)], back),
-    ):  # fmt: skip
+        ("rim", rim, plastic),
+        ("hub", hub, clear),
+        ("band", [(HUB, THICK), (band, THICK)], stage.plain("Mirror band", (0.75, 0.76, 0.78), 0.08, 1.0)),
+        ("back", [(HUB, THICK * 0.5), (RIM - edge, THICK * 0.5)], stage.plain("Print", (0.02, 0.02, 0.022), 0.4)),
+    ):
         mesh = stage.lathe(part, profile)
         mesh.materials.append(material)
-        parts.append(stage.link(f"{name} {part}", mesh))
-    for part in parts[1:]:
-        part.parent = data
-    return parts
+        stage.link(f"{name} {part}", mesh).parent = data
+    return data
 
 
 def build(out, lamp=LAMP, alone=False):
@@ -60,10 +57,10 @@ def build(out, lamp=LAMP, alone=False):
         stage.aim(scene.camera, (0.0, -0.33, 0.25), (-0.028, -0.034, 0.022))
         scene.camera.data.lens = 96
     for name, preset, place, tilt in places:
-        parts = disc(name)
-        parts[0].location = place
-        parts[0].rotation_euler = [math.radians(a) for a in (*tilt, 0.0)]
-        stage.diffract(parts[:1], preset, fresnel="CONDUCTOR", orientation="RADIAL")
+        data = disc(name)
+        data.location = place
+        data.rotation_euler = [math.radians(angle) for angle in (*tilt, 0.0)]
+        stage.diffract([data], preset, fresnel="CONDUCTOR", orientation="RADIAL")
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
     scene.view_settings.exposure = 0.5

@@ -49,9 +49,7 @@ def build(out):
     ):
         stage.softbox(f"Strip {index}", place, (0.0, 0.0, 0.0), size, 0.9)
     stage.camera((0.0, -0.30, 0.34), (0.0, -0.004, 0.0), 66, blur=(0.44, 8.0))
-    stage.diffract(
-        [sheet], "foil", bake={"sigma_s_um": 3.0}, fresnel="CONDUCTOR",
-    )  # fmt: skip
+    stage.diffract([sheet], "foil", bake={"sigma_s_um": 3.0}, fresnel="CONDUCTOR")
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Punchy"
     scene.cycles.sample_clamp_indirect = 1.0
