@@ -41,6 +41,14 @@ def test_file_is_baked_and_its_change_is_told(project):
               for c in ("Red", "Green", "Blue")]  # fmt: skip
     assert np.allclose(matrix, xyz_to_rgb_matrix("Linear Rec.709", light), atol=1e-6)
 
+    from diffraction_shader.addon.viewport import looks
+
+    for normalisation in ("ABSOLUTE", "RELATIVE"):  # the viewport reads the light from the sidecar
+        view = looks.View(normalisation=normalisation)
+        seen = looks.surface(plane.active_material, table.layout, table.info, view)
+        assert np.allclose(seen.to_rgb, matrix, atol=1e-6)
+        assert np.isfinite(seen.brightness) and seen.brightness > 0.0
+
     (project / "copy.csv").write_bytes((project / "lamp.csv").read_bytes())
     state.illuminant_file = "//copy.csv"
     assert "Changed since" not in words(shown("bake"))  # values count, not names
