@@ -86,7 +86,7 @@ def add_camera(direction=(0, 0, 1), extent=2.2, distance=10.0, up="Y"):
     return ob
 
 
-def render(size=96, samples=1, scene=None, centred=False):
+def render(size=96, samples=1, scene=None, centred=False, denoise=False):
     """Render and return linear RGB, float (size, size, 3), row 0 at the bottom.
 
     One sample sees the middle of its pixel, more of them all of it; `centred` keeps them in the middle.
@@ -99,7 +99,7 @@ def render(size=96, samples=1, scene=None, centred=False):
     settings.resolution_percentage = 100
     settings.dither_intensity = 0.0
     scene.cycles.samples = samples
-    scene.cycles.use_denoising = False
+    scene.cycles.use_denoising = denoise
     scene.cycles.use_adaptive_sampling = False
     scene.cycles.pixel_filter_type = "BLACKMAN_HARRIS" if centred else "BOX"
     scene.cycles.filter_width = 0.01  # of no effect on the box
