@@ -38,6 +38,9 @@ def render(path, width, height, samples):
     settings = scene.render.image_settings
     settings.file_format = "JPEG" if path.suffix == ".jpg" else "PNG"
     settings.color_mode, settings.quality = "RGB", 90
+    for name in dir(scene.render):  # no date, no paths of this computer in the file
+        if name.startswith("use_stamp"):
+            setattr(scene.render, name, False)
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
 

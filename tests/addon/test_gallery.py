@@ -92,6 +92,7 @@ def test_a_draft_of_the_plates_runs_from_blue_to_red(root_dir, tmp_path):
     subprocess.run(
         [sys.executable, script, "plates", "--scale", "0.06", "--samples", "2", "--out", tmp_path], check=True
     )
+    assert str(root_dir).encode() not in (tmp_path / "plates.jpg").read_bytes()
     picture = matplotlib.image.imread(tmp_path / "plates.jpg")[..., :3] / 255.0
     rows, columns, _ = picture.shape
     band = picture[round(0.2 * rows) : round(0.55 * rows), round(0.17 * columns) : round(0.92 * columns)].mean(0)

@@ -84,3 +84,10 @@ def test_every_format_stands_in_the_table():
     numbers = {f".{n:03d}" for n in range(1000)}  # Nanoscope counts: `.000` to `.999`
     claimed = {extension for each in FORMATS for extension in each.extensions}
     assert claimed - numbers <= listed
+
+
+@pytest.mark.parametrize("picture", sorted((ROOT / "docs" / "pictures").iterdir()), ids=lambda path: path.name)
+def test_pictures_are_light_and_hold_nothing_of_the_computer_that_made_them(picture):
+    content = picture.read_bytes()
+    assert len(content) < 1_500_000
+    assert b"Blender:File" not in content and b"Blender:Date" not in content  # a path, a name
