@@ -144,7 +144,9 @@ def _status(header, context) -> None:
     now = progress.running()
     header.layout.label(text="Stop", icon="EVENT_ESC")
     if now is not None:
-        header.layout.progress(factor=now.fraction, text=now.text)
+        bar = header.layout.row()
+        bar.ui_units_x = 14.0  # else the text is cut off
+        bar.progress(factor=now.fraction, text=now.text)
 
 
 def redraw(context) -> None:

@@ -113,6 +113,40 @@ def test_without_a_scan(project):
     assert shown("active") is None and shown("files") is None
 
 
+def grey_without_a_reason():
+    """Operators of ours whose button is grey and does not say why."""
+    found = []
+    for name in dir(bpy.ops.diffraction):
+        operator = getattr(bpy.ops.diffraction, name)
+        if not operator.poll():
+            with pytest.raises(RuntimeError) as caught:
+                operator()
+            if "context is incorrect" in str(caught.value):
+                found.append(name)
+    return found
+
+
+def test_every_grey_button_says_why(project):
+    """In an empty file, with a scan, while something runs, with a table, with a material whose table is gone."""
+    from diffraction_shader.addon import progress
+
+    assert "bake" in dir(bpy.ops.diffraction)
+    assert grey_without_a_reason() == []
+    preset()
+    assert grey_without_a_reason() == []
+    progress.show("Baking", 0.5)
+    try:
+        assert grey_without_a_reason() == []
+    finally:
+        progress.clear()
+    stand_in_table(project)
+    assert grey_without_a_reason() == []
+    plane_with_material()
+    assert grey_without_a_reason() == []
+    (project / "diffraction" / "sinusoid.exr").unlink()
+    assert grey_without_a_reason() == []
+
+
 def test_collecting_needs_a_saved_file(blender):
     assert "Save the .blend first" in refusal(bpy.ops.diffraction.collect_files)
 
