@@ -68,6 +68,7 @@ class Job:
 
     def cancel(self) -> None:
         """Ask the work to stop at its next step; nothing half-written stays."""
+        self.stage = "stopping"
         self._stop.set()
 
     def on_main(self, function: Callable[[], Any]) -> Any:

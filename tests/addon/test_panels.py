@@ -631,6 +631,7 @@ def test_reading_a_scan_and_making_a_structure_can_be_stopped(project, tmp_path)
     for operator, name in ((reading, "own"), (making, "sinusoid")):
         (job,) = operator.jobs(bpy.context)
         job.cancel()
+        assert job.stage == "stopping"  # what panel and status bar say until the next step
         job.start()
         with pytest.raises(Cancelled):
             job.result()
