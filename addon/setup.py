@@ -37,7 +37,7 @@ def prepare_scene(scene: bpy.types.Scene, lamps: list[bpy.types.Object], needs_o
         _remember(scene, "shading_system", False)
         cycles.shading_system = True
         notes.append("Open Shading Language is on for this scene")
-    if scene.render.engine not in {"CYCLES", "BLENDER_EEVEE", "BLENDER_WORKBENCH"}:
+    if scene.render.engine not in {"CYCLES", "BLENDER_EEVEE", "BLENDER_EEVEE_NEXT", "BLENDER_WORKBENCH"}:
         notes.append("The scene's renderer is not Cycles, which this material needs")
     changed = 0
     for light in {lamp.data for lamp in lamps}:
