@@ -31,7 +31,7 @@ def state(check):
     return {
         "manifest": copy.deepcopy(manifest),
         "project": project,
-        "pins": check.requirements(),
+        "pins": check.pins_by_python(),
         "lock": check.read_lock(),
         "tags": check.valid_tags(),
     }
@@ -67,7 +67,7 @@ def test_a_wrong_value_is_told(check, state, key, value, word):
 
 @pytest.mark.parametrize(
     "wheel",
-    ["numpy-2.5.5-cp313-cp313-win_amd64.whl", "scipy-1.18.1-cp311-cp311-win_amd64.whl", "six-1.0-py3-none-any.whl"],
+    ["numpy-2.5.5-cp313-cp313-win_amd64.whl", "scipy-1.18.1-cp312-cp312-win_amd64.whl", "six-1.0-py3-none-any.whl"],
 )
 def test_a_wheel_that_does_not_belong_is_told(check, state, wheel):
     state["manifest"]["wheels"].append(f"./wheels/{wheel}")
@@ -75,15 +75,24 @@ def test_a_wheel_that_does_not_belong_is_told(check, state, wheel):
 
 
 def test_a_missing_wheel_is_told_with_its_platform(check, state):
-    gone = next(path for path in state["manifest"]["wheels"] if "openexr" in path and "win_amd64" in path)
+    gone = next(path for path in state["manifest"]["wheels"] if "openexr" in path and "cp311-win_amd64" in path)
     state["manifest"]["wheels"].remove(gone)
     found = check.problems(**state)
-    assert any("openexr" in sentence and "windows-x64" in sentence for sentence in found)
+    assert any("openexr" in s and "3.11" in s and "windows-x64" in s for s in found)
+
+
+def test_two_versions_for_one_python_are_told(check, state):
+    """Blender would unpack the newer of two pure wheels, whichever Python it has."""
+    wheels = state["manifest"]["wheels"]
+    place = next(i for i, path in enumerate(wheels) if "colour_science-0.4.7" in path)
+    wheels[place] = "./wheels/colour_science-0.4.7-py3-none-any.whl"
+    found = check.problems(**state)
+    assert any("2 wheels of colour_science for Python 3.11" in sentence for sentence in found)
 
 
 def test_numpy_is_never_pinned_for_the_bundle(state):
-    assert not any(pin.lower().startswith("numpy") for pin in state["pins"])
+    assert not any(pin.lower().startswith("numpy") for pins in state["pins"].values() for pin in pins)
 
 
 def test_all_versions_are_pinned(state):
-    assert all(pin.count("==") == 1 for pin in state["pins"])
+    assert all(pin.count("==") == 1 for pins in state["pins"].values() for pin in pins)

@@ -105,10 +105,18 @@ def test_any_driver_of_egl_will_do():
     assert list(system.missing(present=lambda soname: soname not in neither).values()) == ["libegl-mesa0"]
 
 
-def test_requirements_hold_one_version_of_each_package():
-    names = [pin.partition("==")[0] for pin in tool("requirements").requirements(["blender", "dev"])]
+@pytest.mark.parametrize("python", ["3.11", "3.13"])
+def test_requirements_hold_one_version_of_each_package(python):
+    pins = tool("requirements").requirements(["blender", "test", "dev"], python)
+    names = [pin.partition("==")[0] for pin in pins]
     assert len(names) == len(set(names))
     assert {"bpy", "numpy", "pytest", "ruff"} <= set(names)
+    assert ("bpy==4.5.15" in pins) == ("colour-science==0.4.6" in pins) == (python == "3.11")
+
+
+def test_a_marker_that_would_be_misread_is_refused():
+    with pytest.raises(SystemExit, match="python_version"):
+        tool("requirements").applies("sys_platform == 'linux'", "3.11")
 
 
 def test_the_ci_script_is_sound():

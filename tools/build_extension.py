@@ -15,7 +15,7 @@ import sys
 from blender_files import extension_tool
 from check_manifest import load_manifest
 from check_manifest import main as check_manifest
-from fetch_wheels import ROOT, WHEELS, chosen_platforms, fetch
+from fetch_wheels import ROOT, WHEELS, bundled_name, chosen_platforms, fetch, pins_by_python
 
 DIST = ROOT / "dist"
 STAGE = ROOT / "build" / "extension"
@@ -36,11 +36,13 @@ def stage(manifest, platforms, wheels):
         else:
             shutil.copy2(entry, STAGE)
     (STAGE / "wheels").mkdir()
-    for wheel in wheels:
-        link_or_copy(WHEELS / wheel, STAGE / "wheels" / wheel)
+    pins = pins_by_python()
+    bundled = {wheel: bundled_name(wheel, pins) for wheel in wheels}
+    for wheel, name in bundled.items():
+        link_or_copy(WHEELS / wheel, STAGE / "wheels" / name)
     text = (ROOT / "blender_manifest.toml").read_text(encoding="utf-8")
     text = replace_list(text, "platforms", platforms)
-    text = replace_list(text, "wheels", [f"./wheels/{wheel}" for wheel in wheels])
+    text = replace_list(text, "wheels", [f"./wheels/{name}" for name in bundled.values()])
     (STAGE / "blender_manifest.toml").write_text(text, encoding="utf-8")
 
 

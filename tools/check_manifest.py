@@ -9,8 +9,7 @@ import sys
 import tomllib
 
 from blender_files import valid_tags
-from fetch_wheels import PLATFORMS, PYTHON, ROOT, read_lock, runs_on
-from requirements import requirements
+from fetch_wheels import PLATFORMS, ROOT, bundled_name, pins_by_python, read_lock, runs_on
 
 # https://docs.blender.org/manual/en/latest/advanced/extensions/getting_started.html
 KNOWN_PERMISSIONS = {"files", "network", "clipboard", "camera", "microphone"}
@@ -50,8 +49,8 @@ def identity_problems(manifest, project, tags):
     if manifest.get("license") != [f"SPDX:{project['license']}"]:
         yield f"The license must be ['SPDX:{project['license']}'], as in pyproject.toml."
     minimum = re.fullmatch(r"(\d+)\.(\d+)\.\d+", manifest.get("blender_version_min", ""))
-    if minimum is None or (int(minimum[1]), int(minimum[2])) < (5, 2):
-        yield "The blender_version_min must be 5.2.0 or later: the wheels are for its Python."
+    if minimum is None or (int(minimum[1]), int(minimum[2])) < (4, 5):
+        yield "The blender_version_min must be 4.5.0 or later: older ones are not tested."
     for tag in sorted(set(manifest.get("tags", [])) - tags):
         yield f"The tag {tag!r} is not on Blender's list of add-on tags."
     if not manifest.get("tags"):
@@ -62,25 +61,39 @@ def identity_problems(manifest, project, tags):
         yield f"The platforms must be those of tools/fetch_wheels.py: {', '.join(PLATFORMS)}."
 
 
+def fits(wheel, python):
+    """Whether Blender unpacks a wheel for a Python such as "3.11": its tags name that version, or any Python 3."""
+    digits = python.replace(".", "")
+    tags, abi = wheel.removesuffix(".whl").split("-")[2:4]
+    return any(
+        tag in {"py3", f"py{digits}"} or (tag == f"cp{digits}" and abi in {f"cp{digits}", "abi3"})
+        for tag in tags.split(".")
+    )
+
+
 def wheel_problems(manifest, pins, lock):
-    """Sentences about the wheels: each pin once on each platform, for our Python, locked, and never numpy."""
+    """Sentences about the wheels: each pin once on each platform for each Python, locked, and never numpy."""
     wheels = [path.removeprefix("./wheels/") for path in manifest.get("wheels", [])]
-    if sorted(wheels) != sorted(lock):
-        differing = ", ".join(sorted(set(wheels) ^ set(lock))) or "one is listed twice"
+    locked = [bundled_name(wheel, pins) for wheel in lock]
+    if sorted(wheels) != sorted(locked):
+        differing = ", ".join(sorted(set(wheels) ^ set(locked))) or "one is listed twice"
         yield f"The wheels differ from tools/wheels.lock: {differing}."
-    own = "cp" + PYTHON.replace(".", "")
     for wheel in wheels:
         if wheel.lower().startswith("numpy-"):
             yield f"{wheel} must not be bundled: Blender brings its own numpy."
-        if not re.search(rf"-({own}-{own}|{own}-abi3|py3-none|py2\.py3-none)-", wheel):
-            yield f"{wheel} is not for Python {PYTHON}."
+        if not any(fits(wheel, python) for python in pins):
+            yield f"{wheel} is for no Python of {', '.join(pins)}."
     for platform in PLATFORMS:
-        for pin in pins:
-            name, version = pin.split("==")
-            start = f"{name.replace('-', '_')}-{version}-"
-            count = sum(wheel.startswith(start) and runs_on(wheel, platform) for wheel in wheels)
-            if count != 1:
-                yield f"There are {count} wheels of {pin} for {platform}: there must be one."
+        for python in pins:
+            fitting = [wheel for wheel in wheels if runs_on(wheel, platform) and fits(wheel, python)]
+            for pin in pins[python]:
+                name, version = pin.replace("-", "_").split("==")
+                found = [wheel for wheel in fitting if wheel.startswith(f"{name}-")]
+                if len(found) != 1 or found[0].split("-")[1] != version:
+                    yield (
+                        f"There are {len(found)} wheels of {name} for Python {python} on {platform}:"
+                        f" there must be one, of {version}."
+                    )
 
 
 def problems(manifest, project, pins, lock, tags):
@@ -92,8 +105,8 @@ def problems(manifest, project, pins, lock, tags):
         Of blender_manifest.toml.
     project : dict
         The `[project]` table of pyproject.toml.
-    pins : list of str
-        Run-time requirements.
+    pins : dict of str to list of str
+        Run-time requirements for each Python.
     lock : dict of str to str
         Wheels and digests.
     tags : set of str
@@ -112,7 +125,7 @@ def problems(manifest, project, pins, lock, tags):
 
 
 def main():
-    found = problems(*load_manifest(), requirements(), read_lock(), valid_tags())
+    found = problems(*load_manifest(), pins_by_python(), read_lock(), valid_tags())
     for sentence in found:
         print(sentence, file=sys.stderr)
     return 1 if found else 0

@@ -1,31 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bring the wheels that the extension bundles into wheels/: `fetch_wheels.py [--platform current|all|NAME] [--lock]`.
 
-What is bundled are the run-time pins of pyproject.toml. tools/wheels.lock holds the SHA-256 of each wheel, so every
-machine gets the same files; `--lock` resolves the pins anew for all platforms and rewrites it.
+What is bundled are the run-time pins of pyproject.toml, for the Pythons of all Blenders. tools/wheels.lock holds the
+SHA-256 of each wheel, so every machine gets the same files; `--lock` resolves the pins anew for all platforms and
+rewrites it.
 """
 
 import argparse
 import hashlib
+import itertools
 import platform
+import re
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-from requirements import ROOT, requirements
+from requirements import PYTHONS, ROOT, requirements
 
 WHEELS = ROOT / "wheels"
 LOCK = ROOT / "tools" / "wheels.lock"
 
-# Blender's name of a platform and the wheel tags that run there (glibc 2.28, macOS 12: what Blender 5.2 asks for).
+# Blender's name of a platform and the wheel tags that run there (glibc 2.28, macOS 12: what Blender asks for).
 PLATFORMS = {
     "linux-x64": ("manylinux_2_28_x86_64", "manylinux_2_27_x86_64", "manylinux_2_17_x86_64", "manylinux2014_x86_64"),
     "windows-x64": ("win_amd64",),
     "windows-arm64": ("win_arm64",),
     "macos-arm64": ("macosx_12_0_arm64",),
 }
-PYTHON = (ROOT / ".python-version").read_text(encoding="utf-8").strip()
 
 
 def current_platform():
@@ -62,6 +64,40 @@ def runs_on(wheel, name):
     return any(part in PLATFORMS[name] for part in tag.split("."))
 
 
+def pins_by_python():
+    """The run-time pins of each Python.
+
+    Returns
+    -------
+    dict of str to list of str
+    """
+    return {python: requirements(python=python) for python in PYTHONS}
+
+
+def pythons_of(wheel, pins):
+    """The Pythons, among the keys of `pins`, that a wheel's name, version and tags are for."""
+    name, version, tag = wheel.split("-")[0], wheel.split("-")[1], wheel.split("-")[2]
+    return [
+        python
+        for python, wanted in pins.items()
+        if f"{name}=={version}" in [pin.lower().replace("-", "_") for pin in wanted]
+        and (tag.startswith("py") or tag == "cp" + python.replace(".", ""))
+    ]
+
+
+def bundled_name(wheel, pins):
+    """What a wheel is called in the zip.
+
+    Blender unpacks, of all listed wheels of one name that fit its Python, that of the highest version. A pure wheel
+    fits any Python 3, so one that only some Python's pins hold is tagged with that Python.
+    """
+    found = pythons_of(wheel, pins)
+    if not wheel.endswith("-none-any.whl") or len(found) == len(pins):
+        return wheel
+    tags = ".".join("py" + python.replace(".", "") for python in found)
+    return re.sub(r"-[^-]+-none-any\.whl$", f"-{tags}-none-any.whl", wheel)
+
+
 def read_lock():
     """Wheel names and their SHA-256.
 
@@ -78,7 +114,7 @@ def sha256(path):
     return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
-def download(pins, tags, folder):
+def download(pins, tags, python, folder):
     """Have pip download wheels, and nothing else, for the platform with these tags.
 
     Parameters
@@ -87,6 +123,8 @@ def download(pins, tags, folder):
         Lines of a requirements file.
     tags : sequence of str
         Platform tags of wheels.
+    python : str
+        Version of Python, such as ``"3.11"``.
     folder : pathlib.Path
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -94,7 +132,7 @@ def download(pins, tags, folder):
         wanted = Path(scratch) / "requirements.txt"
         wanted.write_text("\n".join(pins) + "\n", encoding="utf-8")
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"]
-        command += ["--python-version", PYTHON, "--implementation", "cp", "--dest", str(folder)]
+        command += ["--python-version", python, "--implementation", "cp", "--dest", str(folder)]
         for tag in tags:
             command += ["--platform", tag]
         subprocess.run([*command, "--requirement", str(wanted)], check=True)
@@ -110,19 +148,22 @@ def fetch(platforms):
     """
     lock = read_lock()
     names = sorted(wheel for wheel in lock if any(runs_on(wheel, name) for name in platforms))
+    pins = pins_by_python()
     for name in platforms:
-        absent = [
-            wheel
-            for wheel in names
-            if runs_on(wheel, name) and not ((WHEELS / wheel).is_file() and sha256(WHEELS / wheel) == lock[wheel])
-        ]
-        if not absent:
-            continue
-        pins = {pin.partition("==")[0].replace("-", "_"): pin for pin in requirements()}
-        lines = [f"{pins[wheel.partition('-')[0]]} --hash=sha256:{lock[wheel]}" for wheel in absent]
-        for wheel in absent:
-            (WHEELS / wheel).unlink(missing_ok=True)
-        download(lines, PLATFORMS[name], WHEELS)
+        for python in PYTHONS:
+            absent = [
+                wheel
+                for wheel in names
+                if runs_on(wheel, name)
+                and python in pythons_of(wheel, pins)
+                and not ((WHEELS / wheel).is_file() and sha256(WHEELS / wheel) == lock[wheel])
+            ]
+            if not absent:
+                continue
+            lines = [f"{'=='.join(wheel.split('-')[:2])} --hash=sha256:{lock[wheel]}" for wheel in absent]
+            for wheel in absent:
+                (WHEELS / wheel).unlink(missing_ok=True)
+            download(lines, PLATFORMS[name], python, WHEELS)
     for wheel in names:
         if not (WHEELS / wheel).is_file():
             sys.exit(
@@ -134,14 +175,14 @@ def fetch(platforms):
 def write_lock():
     """Resolve the pins for all platforms and rewrite tools/wheels.lock."""
     digests = {}
-    for name, tags in PLATFORMS.items():
+    for name, python in itertools.product(PLATFORMS, PYTHONS):
         with tempfile.TemporaryDirectory() as scratch:
-            download(requirements(), tags, Path(scratch))
+            download(requirements(python=python), PLATFORMS[name], python, Path(scratch))
             for path in Path(scratch).iterdir():
                 digests[path.name] = sha256(path)
                 WHEELS.mkdir(exist_ok=True)
                 (WHEELS / path.name).write_bytes(path.read_bytes())
-        print(f"{name}: resolved", file=sys.stderr)
+        print(f"{name}, Python {python}: resolved", file=sys.stderr)
     head = "# The wheels that the extension bundles; written by `tools/fetch_wheels.py --lock`.\n"
     body = "".join(f"{digests[name]}  {name}\n" for name in sorted(digests))
     LOCK.write_text(head + body, encoding="utf-8")

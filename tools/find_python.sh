@@ -1,11 +1,12 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Prints the path of an interpreter of the version in .python-version that can make a virtual environment,
-# or says in one sentence what is missing.
-wanted=$(cat "$(dirname "$0")/../.python-version" 2>/dev/null || echo 3.13)
+# find_python.sh [VERSION]: prints the path of an interpreter of a version (of .python-version where none is given) that
+# can make a virtual environment, or says in one sentence what is missing. Looks on PATH, then among pyenv's.
+wanted=${1:-$(cat "$(dirname "$0")/../.python-version" 2>/dev/null || echo 3.13)}
 minor=$(echo "$wanted" | cut -d. -f1,2)
 
-for candidate in ${PYTHON:+"$PYTHON"} "python$wanted" python "python$minor" python3; do
+for candidate in ${PYTHON:+"$PYTHON"} "python$wanted" python "python$minor" python3 \
+    "${PYENV_ROOT:-$HOME/.pyenv}"/versions/"$minor".*/bin/"python$minor"; do
     path=$("$candidate" -c "import sys
 if '%d.%d' % sys.version_info[:2] == '$minor': print(sys.executable)" 2>/dev/null) || continue
     [ -n "$path" ] || continue
