@@ -26,7 +26,7 @@ $(READY): pyproject.toml .python-version tools/check_system.py tools/find_python
 	@test -x $(PY) && $(PY) -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$(shell cut -d. -f1,2 .python-version)')" 2> /dev/null \
 		|| { rm -rf $(VENV); "$$(sh tools/find_python.sh)" -m venv $(VENV); }
 	@$(PY) tools/check_system.py
-	@$(PY) tools/requirements.py blender sweep dev > $(VENV)/requirements.txt
+	@$(PY) tools/requirements.py blender sweep test dev > $(VENV)/requirements.txt
 	@echo "Installing Blender as a module and the tools into $(VENV) (about 500 MB, once) ..."
 	@$(PY) -m pip install --quiet --requirement $(VENV)/requirements.txt
 	@touch $(READY)
