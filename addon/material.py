@@ -16,7 +16,7 @@ from ..precompute.errors import ParameterError, TableError
 from ..precompute.layout import TableLayout
 from ..precompute.table import SpectralTable, read_sidecar
 from . import frame, lights, nodes_twin, osl, paths, script_node, setup, travel
-from .versions import give_nodes, working_space
+from .versions import give_nodes, tells_mirrored_uv, working_space
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"
@@ -364,7 +364,7 @@ def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) 
     elif settings.orientation == "RADIAL":
         tangent, _ = frame.radial_frame(tree, at)
         turn += frame.RADIAL_TURN
-    elif "Handedness" in node.inputs:
+    elif "Handedness" in node.inputs and tells_mirrored_uv():
         tangent, handedness = frame.uv_directions(tree, settings.uv_map, at)
     else:
         tangent, bitangent = frame.uv_frame(tree, settings.uv_map, at)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ..precompute import importance
 from ..precompute.layout import TableLayout
+from .versions import texture_t_is_down
 
 SHADERS = Path(__file__).resolve().parent.parent / "shaders"
 
@@ -40,6 +41,7 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
     """
     numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
+    numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
     numbers["LAMPS_MAX"] = LAMPS_MAX
     numbers["TABLE_ALBEDO_FREE"] = float(albedo_free)
     numbers["TABLE_IS_LINEAR_IN_W"] = int(layout.power == 1.0)

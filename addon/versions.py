@@ -26,6 +26,16 @@ def limits() -> list[str]:
     return found
 
 
+def tells_mirrored_uv() -> bool:
+    """Whether Cycles hands the attribute `tangent_sign` to materials, which 4.5 reads as zero."""
+    return bpy.app.version >= (5, 2)
+
+
+def texture_t_is_down() -> bool:
+    """Whether `texture()` of OSL counts t from an image's top, as 4.5 does, and not from its bottom."""
+    return bpy.app.version < (5, 2)
+
+
 def give_nodes(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
     """The shader nodes of a material or world, which has none by itself before 5.0; its plain colour stays."""
     if bpy.app.version < (5, 0) and not block.use_nodes:
