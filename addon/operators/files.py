@@ -220,14 +220,19 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
     def _copy_linked(self, users: list[bpy.types.Material]) -> int:
         count, folder = 0, paths.absolute("//")
         for there, here in {pair for each in users for pair in farm_copies(each).items()}:
-            if here == there or not there.is_file():
-                continue
-            if not here.is_relative_to(folder) or (here.is_file() and here.read_bytes() != there.read_bytes()):
-                self.report({"WARNING"}, f"{here} is another file or outside this folder: make the material local")
-            elif not here.is_file():
+            # A table that was baked here has its sidecar beside it, a copy for the farm has none.
+            sidecar = here.with_name(here.stem.removesuffix(".importance") + ".json")
+            if not here.is_relative_to(folder) or sidecar.is_file():
+                self.report({"WARNING"}, f"{here} is another table or outside this folder: make the material local")
+            elif not is_fresh(here, there):
                 _copy(there, here)
                 count += not here.stem.endswith(".importance")
         return count
+
+
+def is_fresh(copy: Path, original: Path) -> bool:
+    """Whether a copy is there and as new as its original."""
+    return copy.is_file() and copy.stat().st_mtime >= original.stat().st_mtime
 
 
 def farm_copies(linked: bpy.types.Material) -> dict[Path, Path]:
@@ -240,7 +245,8 @@ def farm_copies(linked: bpy.types.Material) -> dict[Path, Path]:
         return {}
     images = [linked.get(key) for key in (travel.ATLAS, travel.IMPORTANCE)]
     found = [image.filepath for image in images if image is not None and image.filepath.startswith("//")]
-    return {paths.absolute(name, linked.library): paths.absolute(name) for name in found}
+    pairs = {paths.absolute(name, linked.library): paths.absolute(name) for name in found}
+    return {there: here for there, here in pairs.items() if there != here and there.is_file()}
 
 
 def _free(folder: Path, place: Path, there: Path) -> Path:

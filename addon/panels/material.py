@@ -8,7 +8,7 @@ import re
 import bpy
 
 from .. import material, paths, scale, setup, travel
-from ..operators.files import farm_copies, tables
+from ..operators.files import farm_copies, is_fresh, tables
 from ..table_state import READY, table_state
 from .bake import scene_table
 from .sidebar import Sidebar, Stage, file_name, megabytes, note, split
@@ -100,7 +100,7 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             ready = found.kind == READY
             broken |= not ready
             outside |= ready and users[0].is_editable and place.parent != paths.data_folder()
-            linked |= any(not here.is_file() for each in users for here in farm_copies(each).values())
+            linked |= any(not is_fresh(here, there) for each in users for there, here in farm_copies(each).items())
             row = layout.row()
             row.label(text=f"{file_name(place.name)} ({len(users)})", icon="TEXTURE" if ready else "ERROR")
             row.label(text=megabytes(found.texture_bytes) if ready else found.kind.title())

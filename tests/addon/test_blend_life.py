@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A .blend is saved, moved, appended from, linked, packed and undone, each step in a fresh Blender process."""
 
+import os
 import shutil
 
 import numpy as np
@@ -108,9 +109,15 @@ def test_linked_osl_material_renders_without_the_addon_once_collected(project, t
         copy.unlink()
     bare = life.run(life.render_file, addon=False, path=there / "mine.blend")
     assert np.max(bare["picture"]) < 1e-3 * image.max()  # no table, no light
-    (there / "diffraction" / "sinusoid.exr").write_bytes(b"another table")
-    refused = life.run(life.collect_again, path=there / "mine.blend")
-    assert refused["outcome"] == ["FINISHED"] and refused["kept"] == "another table"
+    stale, original = there / "diffraction" / "sinusoid.exr", folder / "diffraction" / "sinusoid.exr"
+    stale.write_bytes(b"before the library was baked anew")
+    os.utime(stale, (0, original.stat().st_mtime - 60.0))
+    assert life.run(life.collect_again, path=there / "mine.blend") == {"outcome": ["FINISHED"]}
+    assert stale.read_bytes() == original.read_bytes()
+    stale.write_bytes(b"a table of this file")
+    stale.with_suffix(".json").write_text("{}")
+    assert life.run(life.collect_again, path=there / "mine.blend") == {"outcome": ["FINISHED"]}
+    assert stale.read_bytes() == b"a table of this file"
 
 
 @pytest.mark.slow
