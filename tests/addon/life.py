@@ -183,9 +183,12 @@ def link_and_collect(path, target):
     """Link the collection into a new file in another folder, save it and collect, twice."""
     import bpy
 
+    from tests.addon.test_panels import shown, words
+
     link_to(path, target)
+    before = words(shown("files"))
     outcomes = [sorted(bpy.ops.diffraction.collect_files()) for _ in range(2)]
-    return {"outcome": outcomes[0], "again": outcomes[1]}
+    return {"outcome": outcomes[0], "again": outcomes[1], "before": before, "after": words(shown("files"))}
 
 
 def collect_again(path):

@@ -95,6 +95,7 @@ def test_link_into_a_file_in_another_folder(project, tmp_path, implementation):
     assert np.allclose(again["picture"], image, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_linked_osl_material_renders_without_the_addon_once_collected(project, tmp_path):
     """Cycles looks for its table beside the open file: nothing is there at first, then a copy is."""
     folder, image = project
@@ -102,6 +103,7 @@ def test_linked_osl_material_renders_without_the_addon_once_collected(project, t
     there.mkdir()
     found = life.run(life.link_and_collect, path=folder / "scene.blend", target=there / "mine.blend")
     assert found["outcome"] == ["FINISHED"] and found["again"] == ["FINISHED"]
+    assert "tables of linked materials" in found["before"] and "tables of linked materials" not in found["after"]
     assert {path.name for path in (there / "diffraction").iterdir()} == {"sinusoid.exr", "sinusoid.importance.exr"}
     plain = life.run(life.render_file, addon=False, path=there / "mine.blend")
     assert np.allclose(plain["picture"], image, atol=1e-4)
