@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Every target sets up what it needs in .venv; nothing outside this folder is touched.
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-slow fuzz bench lint docs build clean
+.PHONY: help setup setup-4.5 demo test test-slow test-thorough test-4.5 fuzz bench lint types docs build clean
 
 VENV := .venv
 PY := $(VENV)/bin/python
 READY := $(VENV)/ready
+# Blender 4.5 LTS and its Python.
+VENV45 := .venv-4.5
+PY45 := $(VENV45)/bin/python
+READY45 := $(VENV45)/ready
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 export PYTHONDONTWRITEBYTECODE := 1
 
@@ -13,9 +17,10 @@ help:
 	@echo "make setup      .venv with Blender as a module and the tools"
 	@echo "make demo       scan -> bake -> picture, written to out/ (SCAN=path takes your own)"
 	@echo "make test       all tests but the slow ones; make test-slow: those too; make test-thorough: hours of them"
+	@echo "make test-4.5   the smoke tests in Blender 4.5 LTS, set up in .venv-4.5 (needs Python 3.11)"
 	@echo "make fuzz       hostile files, kill -9, full disks: what tests/trust holds, slow ones too"
 	@echo "make bench      times, memory and accuracy of a bake"
-	@echo "make lint       ruff check and format"
+	@echo "make lint       ruff check and format; make types: mypy on precompute/"
 	@echo "make docs       the pictures of docs/"
 	@echo "make build      the extension, one zip a platform, in dist/"
 
@@ -31,6 +36,17 @@ $(READY): pyproject.toml .python-version tools/check_system.py tools/find_python
 	@$(PY) -m pip install --quiet --requirement $(VENV)/requirements.txt
 	@touch $(READY)
 
+setup-4.5: $(READY45)
+
+$(READY45): pyproject.toml tools/check_system.py tools/find_python.sh tools/requirements.py
+	@sh tools/find_python.sh 3.11 > /dev/null
+	@test -x $(PY45) || "$$(sh tools/find_python.sh 3.11)" -m venv $(VENV45)
+	@$(PY45) tools/check_system.py
+	@$(PY45) tools/requirements.py blender test > $(VENV45)/requirements.txt
+	@echo "Installing Blender 4.5 LTS as a module into $(VENV45) (about 500 MB, once) ..."
+	@$(PY45) -m pip install --quiet --requirement $(VENV45)/requirements.txt
+	@touch $(READY45)
+
 demo: $(READY)
 	@$(PY) tools/demo.py $(if $(SCAN),--scan "$(SCAN)")
 
@@ -42,6 +58,9 @@ test-slow: $(READY)
 
 test-thorough: $(READY)
 	@$(PY) -m pytest $(PYTEST_ARGS)
+
+test-4.5: $(READY45)
+	@$(PY45) -m pytest -m smoke $(PYTEST_ARGS)
 
 fuzz: $(READY)
 	@$(PY) -m pytest tests/trust $(PYTEST_ARGS)
@@ -55,6 +74,9 @@ lint: $(READY)
 	@$(PY) -m ruff check .
 	@$(PY) -m ruff format --check .
 
+types: $(READY)
+	@$(PY) -m mypy
+
 docs: $(READY)
 	@$(PY) tools/docs.py
 
@@ -62,4 +84,4 @@ build: $(READY)
 	@$(PY) tools/build_extension.py --platform all
 
 clean:
-	rm -rf $(VENV) out dist build wheels
+	rm -rf $(VENV) $(VENV45) out dist build wheels

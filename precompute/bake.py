@@ -8,6 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -151,7 +152,7 @@ def bake_file(
     cache: TableCache | None = None,
     memory_bytes: int | None = None,
     transforms: Transforms | None = None,
-    **reading: object,
+    **reading: Any,
 ) -> BakeReport:
     """Read a scan, bake it and write ``<out_dir>/<name>.exr`` and ``.json``.
 

@@ -35,6 +35,7 @@ from .constants import WAVELENGTH_MIN_M
 from .directions import uvw
 from .errors import ParameterError, ScanError
 from .heightfield import HeightField
+from .illuminant import Illuminant
 from .window import check_ensemble, check_sigma_s, window_axis
 
 #: Aliased lags lie at least this many sigma_s beyond the patch, where the lag Gaussian is exp(-25).
@@ -211,7 +212,7 @@ def direct_xyz(
     ensemble: str,
     wi: np.ndarray,
     wr: np.ndarray,
-    illuminant: str = "D65",
+    illuminant: Illuminant = "D65",
     step_m: float | None = None,
     normalisation: str = "absolute",
     dtype: type = np.complex64,

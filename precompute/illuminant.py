@@ -153,8 +153,9 @@ def read_spectrum(path: str | Path) -> Spectrum:
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         values = _numbers(line)
-        if len(values) == 2 and None not in values:
-            pairs.append((values[0] * 1e-9, values[1]))
+        numbers = [value for value in values if value is not None]
+        if len(values) == len(numbers) == 2:
+            pairs.append((numbers[0] * 1e-9, numbers[1]))
         elif pairs or sum(value is not None for value in values) > 1:
             raise ParameterError(
                 f"{what} has no pair of wavelength and power in line {number} ('{line.strip()[:40]}'); give two columns"
@@ -162,7 +163,8 @@ def read_spectrum(path: str | Path) -> Spectrum:
             )
     if not pairs:
         raise ParameterError(f"{what} holds no numbers; give two columns, wavelength in nm and power.")
-    return Spectrum(*zip(*pairs, strict=True), name=path.name)
+    wavelengths, power = zip(*pairs, strict=True)
+    return Spectrum(wavelengths, power, name=path.name)
 
 
 def _numbers(line: str) -> list[float | None]:
@@ -199,7 +201,8 @@ def illuminant_of(value: Any) -> Illuminant:
             value = None
     if isinstance(value, Mapping):
         try:
-            return Spectrum(*(tuple(map(float, value[key])) for key in ("wavelengths_m", "power")), _name_of(value))
+            wavelengths, power = (tuple(map(float, value[key])) for key in ("wavelengths_m", "power"))
+            return Spectrum(wavelengths, power, _name_of(value))
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise ParameterError("The illuminant's spectrum is damaged; choose its file again.") from error
     raise ParameterError(

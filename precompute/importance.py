@@ -66,7 +66,7 @@ FIRST_VIEW = tuple(sum(azimuths(k) for k in range(i)) for i in range(N_VIEWS + 1
 WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, FIRST_VIEW[-1]
 
 #: Shares of X, Y and Z in a density: the luminance and a little more; that alone would leave the blue orders to chance.
-_XYZ_SHARES = np.float32((0.07, 0.86, 0.07))
+_XYZ_SHARES = np.array((0.07, 0.86, 0.07), np.float32)
 
 #: Share of an even density, for regions that hold no light at all.
 _EVEN = 0.01

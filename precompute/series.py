@@ -141,7 +141,7 @@ def node_weights(nodes: np.ndarray, kappa_max: float, kappa: np.ndarray) -> np.n
     return chebvander(2.0 * np.asarray(kappa) / kappa_max - 1.0, count - 1) @ at_nodes.T / count
 
 
-def term_weight(method: str, n: int, kappa: np.ndarray, kappa_max: float, half_range: float) -> np.ndarray:
+def term_weight(method: str, n: int, kappa: np.ndarray | float, kappa_max: float, half_range: float) -> np.ndarray:
     """Weight of term n of a series at each kappa.
 
     Taylor: ``(kappa h_half)^n / n!`` (the terms hold heights relative to half their range);

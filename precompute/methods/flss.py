@@ -18,6 +18,7 @@ from ..constants import KAPPA_MAX
 from ..directions import uvw
 from ..errors import ParameterError
 from ..heightfield import HeightField
+from ..illuminant import Illuminant
 from .bins import Band
 from .windowed import Windowed
 
@@ -52,14 +53,19 @@ class Flss(Windowed):
         check_single_precision(field, tolerance)
         super().__init__(field, sigma_s_m, "taylor", tolerance, True, band, np.complex64)
 
-    def xyz(self, wi: np.ndarray, wr: np.ndarray, illuminant: str = "D65", normalisation: str = "relative"):
+    def xyz(self, wi: np.ndarray, wr: np.ndarray, illuminant: Illuminant = "D65", normalisation: str = "relative"):
         """Colours ``(..., 3)`` of directions ``(..., 3)``: the shader's loop over wavelengths."""
         wi, wr = np.broadcast_arrays(np.asarray(wi, float), np.asarray(wr, float))
         return method_xyz(self, wi, wr, illuminant, STEP_M, normalisation)
 
 
 def method_xyz(
-    method, wi: np.ndarray, wr: np.ndarray, illuminant: str = "D65", step_m: float = STEP_M, normalisation="absolute"
+    method,
+    wi: np.ndarray,
+    wr: np.ndarray,
+    illuminant: Illuminant = "D65",
+    step_m: float = STEP_M,
+    normalisation="absolute",
 ) -> np.ndarray:
     """XYZ of any method by a loop over wavelengths.
 
