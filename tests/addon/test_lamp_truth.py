@@ -119,7 +119,11 @@ def picture_and_truth(table, count, name, samples):
     return image, points, lamps
 
 
-@pytest.mark.parametrize("name", KINDS)
+#: Wide ones of which the fast tier has another of the same sampling.
+SLOW = {"wide point", "wide spot", "wide rectangle"}
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in KINDS])
 def test_one_lamp(blender, snake, tmp_path, name):
     snake.save(tmp_path / "t.exr")
     samples = 1024 if name.startswith("wide") else 128
