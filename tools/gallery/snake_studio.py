@@ -23,8 +23,8 @@ def build(out):
     tree.nodes["Background"].inputs["Strength"].default_value = 3.0
     stage.diffract(bodies, "snake", environment=1)
     scene.cycles.sample_clamp_indirect = 6.0
-    scene.view_settings.exposure = 0.5
-    stage.aim(scene.camera, (-0.75, -1.85, 1.35), (-0.04, -0.10, 0.08))
+    scene.view_settings.exposure = 0.25
+    stage.aim(scene.camera, (-0.75, -1.85, 1.35), (-0.05, -0.065, 0.08))
     # Mirrors that are drawn at random make noise of the passes that would guide the denoiser.
     scene.cycles.denoising_input_passes = "RGB"
     lens = scene.camera.data
