@@ -11,6 +11,7 @@ from ..precompute.cache import TableCache
 from ..precompute.constants import CACHE_LIMIT_BYTES
 from ..precompute.errors import DiffractionError
 from .gpu_bake.device import ITEMS, renderer
+from .versions import limits
 
 _PACKAGE = __package__.rpartition(".")[0]
 
@@ -105,6 +106,8 @@ class DIFFRACTION_AP_preferences(bpy.types.AddonPreferences):
         else:
             note = found[0] if found[1] else f"{found[0]}: software, so Automatic takes the processor"
         layout.label(text=note, icon="INFO")
+        for sentence in limits():
+            layout.label(text=sentence, icon="INFO")
         layout.prop(self, "keep_tables")
         column = layout.column()
         column.active = self.keep_tables

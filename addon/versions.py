@@ -8,6 +8,9 @@ import bpy
 #: Scene-linear space of the colour configuration of Blender 4.5, which has no setting for it.
 FIXED_WORKING_SPACE = "Linear Rec.709"
 
+#: Name of EEVEE among the render engines.
+EEVEE = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT"
+
 
 def working_space() -> str:
     """Name of the file's working space, such as ``"Linear Rec.709"`` or ``"ACEScg"``."""
@@ -16,14 +19,14 @@ def working_space() -> str:
 
 
 def limits() -> list[str]:
-    """What this Blender cannot do, one sentence each; none where all works."""
-    found = []
-    if not hasattr(bpy.data, "colorspace"):
-        found.append(
-            f"Blender {bpy.app.version_string} has no choice of working space: colours are made for"
-            f" {FIXED_WORKING_SPACE}."
-        )
-    return found
+    """What this Blender cannot do, one sentence without a full stop each; none where all works."""
+    if bpy.app.version >= (5, 2):
+        return []
+    return [
+        f"Blender {bpy.app.version_string} has no choice of working space: colours are made for {FIXED_WORKING_SPACE}",
+        "An OSL material applied in another version of Blender must be applied again here, and the other way round",
+        "Nodes and OSL differ by more than 1 % on some pixels here: take OSL where it matters",
+    ]
 
 
 def tells_mirrored_uv() -> bool:
@@ -45,6 +48,13 @@ def give_nodes(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTre
         if fresh and shader is not None:
             shader.inputs["Base Color"].default_value = block.diffuse_color
     return block.node_tree
+
+
+def smooth_lookups(texture) -> None:
+    """Linear lookups that repeat the border, which textures of 4.5 have by themselves and cannot be told."""
+    if hasattr(texture, "filter_mode"):
+        texture.filter_mode(True)
+        texture.extend_mode("EXTEND")
 
 
 def start_gpu() -> None:

@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from ...precompute.errors import DiffractionError
 from .. import lights, material, paths, properties, setup
-from ..versions import give_nodes
+from ..versions import give_nodes, limits
 from .from_panel import take
 
 _FROM_PANEL = (
@@ -103,6 +103,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
         if not lamps and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
+        for sentence in limits():
+            self.report({"INFO"}, sentence)
         limit = min(map(material.lamps_max, made.values()))
         if len(lamps) > limit:
             self.report({"WARNING"}, lights.too_many(lamps, limit))

@@ -14,7 +14,7 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ..versions import working_space
+from ..versions import smooth_lookups, working_space
 from .blocks import DISPLAY_GAIN, DISPLAY_SIDE, DISPLAY_WHITE, buffer
 
 _VIEW = ("view_transform", "look", "exposure", "gamma", "use_curve_mapping", "use_white_balance",
@@ -185,6 +185,5 @@ def _upload(cube: np.ndarray):
     texels = np.ones((side, side, side, 4), np.float32)
     texels[..., :3] = cube
     texture = gpu.types.GPUTexture((side, side, side), format="RGBA16F", data=buffer(texels))
-    texture.filter_mode(True)
-    texture.extend_mode("EXTEND")
+    smooth_lookups(texture)
     return texture

@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
+from ..versions import EEVEE
 from . import settings, sources
 from .display import redraw
 from .drawing import Renderer
@@ -29,7 +30,7 @@ def draw_view() -> None:
     # Cycles shows the material itself.
     if shading == "WIREFRAME" or (shading == "RENDERED" and scene.render.engine == "CYCLES"):
         return
-    eevee = shading == "MATERIAL" or (shading == "RENDERED" and scene.render.engine == "BLENDER_EEVEE")
+    eevee = shading == "MATERIAL" or (shading == "RENDERED" and scene.render.engine == EEVEE)
     renderer.draw(
         context.evaluated_depsgraph_get(),
         np.array(gpu.matrix.get_model_view_matrix()),

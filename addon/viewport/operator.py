@@ -10,6 +10,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
+from ..versions import EEVEE
 from . import settings
 
 _AS_SCENE = ("SCENE", "As Scene", "As the scene's viewport settings say")
@@ -102,7 +103,7 @@ class _engine:
 
     def __enter__(self) -> None:
         if self._lend:
-            self._scene.render.engine = "BLENDER_EEVEE"
+            self._scene.render.engine = EEVEE
 
     def __exit__(self, *_) -> None:
         if self._lend:

@@ -13,6 +13,7 @@ import numpy as np
 from ...precompute.errors import SizeLimitError
 from ...precompute.layout import TableLayout
 from ...precompute.table import SpectralTable
+from ..versions import smooth_lookups
 from .blocks import buffer
 
 
@@ -62,8 +63,7 @@ def upload(table: SpectralTable) -> TableTextures:
             f"The GPU has no memory for the table ({stack.nbytes / 2e6:.0f} MB); bake it with a lower detail."
         ) from error
     for texture in (slices, albedos):
-        texture.filter_mode(True)
-        texture.extend_mode("EXTEND")
+        smooth_lookups(texture)
     return TableTextures(layout, table.info, slices, albedos)
 
 
