@@ -43,15 +43,12 @@ from .table import SpectralTable
 #: Polar angles of the views, steps of the radius, rows of angles, steps of the angle.
 N_VIEWS, N_R, N_ROWS, N_PHI = 14, 256, 36, 36
 
-#: Azimuths at polar angle i: this many times i, at most the other; one where i = 0.
-AZIMUTHS_STEP, AZIMUTHS_MAX = 8, 32
-
 #: artanh(sin_r) of the last view would be this at index N_VIEWS: artanh widens towards grazing views, where the
 #: horizon moves faster than the view does.
 VIEW_END = 2.4
 
-#: Version of the file; an image of another one is made anew.
-VERSION = 2
+#: Azimuths at polar angle i: this many times i, at most the other; one where i = 0.
+AZIMUTHS_STEP, AZIMUTHS_MAX = 8, 32
 
 
 def azimuths(i: int) -> int:
@@ -64,6 +61,9 @@ FIRST_VIEW = tuple(sum(azimuths(k) for k in range(i)) for i in range(N_VIEWS + 1
 
 #: Size of the image: a row a view.
 WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, FIRST_VIEW[-1]
+
+#: Version of the file, with all that its reader takes for granted; an image of another one is made anew.
+VERSION = f"2 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
 
 #: Shares of X, Y and Z in a density: the luminance and a little more; that alone would leave the blue orders to chance.
 _XYZ_SHARES = np.array((0.07, 0.86, 0.07), np.float32)
@@ -338,7 +338,7 @@ def save_importance(
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "atlasSha256": atlas_sha256,
-        "importanceVersion": str(VERSION),
+        "importanceVersion": VERSION,
         "albedoFreeCosine": repr(albedo_free),
     }
     with atomic_path(path) as temporary:
@@ -357,7 +357,7 @@ def read_origin(path: str | os.PathLike[str]) -> tuple[str, float] | None:
     try:
         with OpenEXR.File(os.fspath(path)) as file:
             header = file.header()
-            if header.get("importanceVersion") != str(VERSION):
+            if header.get("importanceVersion") != VERSION:
                 return None
             return header["atlasSha256"], float(header["albedoFreeCosine"])
     except Exception:  # whatever is wrong with it, it is made anew
