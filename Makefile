@@ -60,7 +60,7 @@ test-thorough: $(READY)
 	@$(PY) -m pytest $(PYTEST_ARGS)
 
 test-4.5: $(READY45)
-	@$(PY45) -m pytest -m smoke $(PYTEST_ARGS)
+	@$(PY45) -m pytest -m "smoke and not slow" $(PYTEST_ARGS)
 
 fuzz: $(READY)
 	@$(PY) -m pytest tests/trust $(PYTEST_ARGS)

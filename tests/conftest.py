@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.smoke import is_smoke
+
 ROOT = Path(__file__).resolve().parent.parent
 
 _user_resources = tempfile.mkdtemp(prefix="diffraction_blender_user_")
@@ -22,8 +24,10 @@ atexit.register(shutil.rmtree, _user_resources, ignore_errors=True)
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """What is thorough is slow too."""
+    """What is thorough is slow too; the smoke tests are those of tests/smoke.py."""
     for item in items:
+        if is_smoke(item.nodeid.partition("[")[0]):
+            item.add_marker(pytest.mark.smoke)
         if item.get_closest_marker("thorough"):
             item.add_marker(pytest.mark.slow)
 
