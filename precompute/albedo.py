@@ -13,6 +13,8 @@ correlation gives all phi_r at once.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .layout import TableLayout
@@ -27,7 +29,9 @@ DARK_WHITE = 1e-4
 THETA_LAST = np.radians(89.5)
 
 
-def albedo_map(texels: np.ndarray, layout: TableLayout, white: np.ndarray) -> np.ndarray:
+def albedo_map(
+    texels: np.ndarray, layout: TableLayout, white: np.ndarray, progress: Callable[[float], None] | None = None
+) -> np.ndarray:
     """Albedo on the grid of the albedo tile.
 
     Parameters
@@ -39,6 +43,8 @@ def albedo_map(texels: np.ndarray, layout: TableLayout, white: np.ndarray) -> np
         The table's coordinates.
     white
         ``(3,)`` XYZ of the illuminant with Y = 1.
+    progress
+        Called with the fraction done.
 
     Returns
     -------
@@ -91,6 +97,8 @@ def albedo_map(texels: np.ndarray, layout: TableLayout, white: np.ndarray) -> np
         # sum_alpha kernel(alpha) T(phi_r + alpha) for any phi_r, by its Fourier series
         albedo = (phases[:, None, :] * product).real.sum(-1) / sectors
         result[:, column] = (albedo[:, bright] / white[bright]).max(-1)
+        if progress is not None:
+            progress((column + 1) / len(thetas))
     return np.maximum(result, 0.0)
 
 

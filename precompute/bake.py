@@ -250,16 +250,25 @@ def _bake(
         wavelengths, weights, white = colours.result()
         stages.done("colour")
 
-    total = SpectralSum(polar.frequencies, nodes, KAPPA_MAX, layout.radii, layout.slices, wavelengths, weights)
+    total = SpectralSum(
+        polar.frequencies,
+        nodes,
+        KAPPA_MAX,
+        layout.radii,
+        layout.slices,
+        wavelengths,
+        weights,
+        lambda done: stages.report("spectral sum", 0.55 + 0.04 * done),
+    )
     transform = _integrate(polar, coefficients, total, layout, stages)
     del coefficients
     stages.done("spectral sum")
     stages.report("balance", 0.85)
-    texels = balance(transform, layout)
+    texels = balance(transform, layout, lambda done: stages.report("balance", 0.85 + 0.02 * done))
     del transform
     stages.done("balance")
     stages.report("albedo", 0.88)
-    albedo = albedo_map(texels, layout, white)
+    albedo = albedo_map(texels, layout, white, lambda done: stages.report("albedo", 0.88 + 0.04 * done))
     stages.done("albedo")
     stages.report("atlas", 0.92)
     layout, atlas = assemble(texels, layout, albedo)
@@ -301,7 +310,7 @@ def _integrate(
     # One thread a block and one BLAS thread in each: these products are too small to be split further.
     with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(workers()) as pool:
         for done, _ in enumerate(pool.map(integrate, blocks), 1):
-            stages.report("spectral sum", 0.55 + 0.29 * done / len(blocks))
+            stages.report("spectral sum", 0.59 + 0.25 * done / len(blocks))
     return transform
 
 

@@ -9,12 +9,14 @@ least-squares fit by linear splines (de Boor, *A Practical Guide to Splines*, ch
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .layout import TableLayout
 
 
-def balance(transform: np.ndarray, layout: TableLayout) -> np.ndarray:
+def balance(transform: np.ndarray, layout: TableLayout, progress: Callable[[float], None] | None = None) -> np.ndarray:
     """Nodes ``T / |w|^power`` of a table, balanced in angle, radius and slice.
 
     Parameters
@@ -23,10 +25,14 @@ def balance(transform: np.ndarray, layout: TableLayout) -> np.ndarray:
         ``(n_r, n_w, 3, n_phi)`` T on the layout's grid; overwritten.
     layout
         Gives slices and power.
+    progress
+        Called with the fraction done.
     """
     transform *= (layout.slices**-layout.power).astype(np.float32)[:, None, None]
-    for axis in (3, 0, 1):
+    for done, axis in enumerate((3, 0, 1), 1):
         _shift(transform, _second_difference(transform, axis))
+        if progress is not None:
+            progress(done / 3.0)
     return transform
 
 

@@ -13,6 +13,8 @@ and the integral is ``M @ S``; no array is resampled.
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from .series import node_weights
@@ -49,6 +51,8 @@ class SpectralSum:
         ``(n_w,)`` values of |w|.
     wavelengths, weights
         ``(L,)`` metres and ``(L, 3)`` from :func:`precompute.colour.spectral_weights`.
+    progress
+        Called with the fraction of the matrices that are made.
     """
 
     def __init__(
@@ -60,6 +64,7 @@ class SpectralSum:
         slices: np.ndarray,
         wavelengths: np.ndarray,
         weights: np.ndarray,
+        progress: Callable[[float], None] | None = None,
     ) -> None:
         self.n_w = len(slices)
         # factors[(w, c, n), lambda]: everything that does not depend on the radius.
@@ -70,13 +75,15 @@ class SpectralSum:
         rows = np.arange(len(wavelengths))[:, None]
         #: First frequency and matrix ``(n_w * 3, (f, n))`` of each radius.
         self.matrices: list[tuple[int, np.ndarray]] = []
-        for r in radii:
+        for done, r in enumerate(radii, 1):
             first, taps = cubic_lagrange(r / wavelengths / frequencies[1], len(frequencies))
             low, high = int(first.min()), int(first.max()) + 4
             radial = np.zeros((len(wavelengths), high - low), np.float32)
             np.add.at(radial, (rows, first[:, None] - low + np.arange(4)), taps)
             matrix = (factors @ radial).reshape(self.n_w * 3, len(nodes), high - low).transpose(0, 2, 1)
             self.matrices.append((low, matrix.reshape(self.n_w * 3, -1)))
+            if progress is not None:
+                progress(done / len(radii))
         self.n_nodes = len(nodes)
 
     def apply(self, intensity: np.ndarray) -> np.ndarray:
