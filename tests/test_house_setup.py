@@ -5,6 +5,7 @@ import importlib.util
 import os
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -123,3 +124,58 @@ def test_the_ci_script_is_sound():
     done = subprocess.run(["bash", "-n", ROOT / ".ci" / "run"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert os.access(ROOT / ".ci" / "run", os.X_OK)
+
+
+@pytest.mark.parametrize("has_python", [True, False])
+def test_the_ci_says_that_blender_4_5_was_skipped(bare_checkout, has_python):
+    """Every step is a stand-in; the tests' reports hold what it writes."""
+    shutil.copytree(ROOT / ".ci", bare_checkout / ".ci")
+    for name in ("bash", "id", "timeout"):
+        (bare_checkout / "bin" / name).symlink_to(shutil.which(name))
+    (bare_checkout / ".venv" / "bin").mkdir(parents=True)
+    python = bare_checkout / ".venv" / "bin" / "python"
+    python.write_text(f'#!/bin/sh\n[ "$1" != - ] || exec {sys.executable} "$@"\n', encoding="utf-8")
+    program = bare_checkout / "bin" / "make"
+    program.unlink()
+    program.write_text(
+        "#!/bin/sh\n"
+        'case "$2" in --version) exit 0;; PYTEST_ARGS=--junit-xml=*) report="${2#*xml=}";; *) exit 0;; esac\n'
+        'echo \'<testsuites><testsuite tests="5" failures="0" errors="0" skipped="1"/></testsuites>\' > "$report"\n',
+        encoding="utf-8",
+    )
+    for path in (python, program):
+        path.chmod(0o755)
+    fake_python(bare_checkout, "python3.13", "3.13")
+    if has_python:
+        fake_python(bare_checkout, "python3.11", "3.11")
+    done = subprocess.run(
+        [shutil.which("bash"), ".ci/run"],
+        cwd=bare_checkout,
+        env={"PATH": str(bare_checkout / "bin"), "HOME": str(bare_checkout)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    lines = done.stdout.splitlines()
+    assert done.returncode == 0, done.stdout + done.stderr
+    if has_python:  # eight steps, and four of five tests in each Blender
+        assert lines[-1] == "16 passed, 0 failed, 2 skipped"
+        assert "skipped: no Python 3.11" not in lines
+    else:
+        assert lines[-2:] == ["skipped: no Python 3.11", "10 passed, 0 failed, 1 skipped"]
+
+
+def test_an_interpreter_among_pyenvs_is_found(bare_checkout):
+    folder = bare_checkout / ".pyenv" / "versions" / "3.11.7"
+    (folder / "bin").mkdir(parents=True)
+    wanted = fake_python(folder, "python3.11", "3.11")
+    done = subprocess.run(
+        ["sh", "tools/find_python.sh", "3.11"],
+        cwd=bare_checkout,
+        env={"PATH": str(bare_checkout / "bin"), "HOME": str(bare_checkout)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.strip() == str(wanted)
