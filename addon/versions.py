@@ -25,6 +25,7 @@ def limits() -> list[str]:
     return [
         f"Blender {bpy.app.version_string} has no choice of working space: colours are made for {FIXED_WORKING_SPACE}",
         "An OSL material applied in another version of Blender must be applied again here, and the other way round",
+        "Bakes run on the processor: compute shaders of this version give wrong transforms",
         "Nodes and OSL differ by more than 1 % on some pixels here: take OSL where it matters",
     ]
 
@@ -37,6 +38,11 @@ def tells_mirrored_uv() -> bool:
 def texture_t_is_down() -> bool:
     """Whether `texture()` of OSL counts t from an image's top, as 4.5 does, and not from its bottom."""
     return bpy.app.version < (5, 2)
+
+
+def computes() -> bool:
+    """Whether compute shaders can be relied on: those of a bake come out wrong in 4.5, where nothing says why."""
+    return bpy.app.version >= (5, 2)
 
 
 def give_nodes(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:

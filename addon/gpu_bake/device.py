@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from ...precompute.errors import ParameterError
+from ..versions import computes
 from ..viewport.offscreen import NoGpu, ensure_gpu
 
 ITEMS = [
@@ -39,9 +40,13 @@ def use_gpu(wish: str) -> bool:
     Raises
     ------
     ParameterError
-        If ``GPU`` is wanted and Blender cannot have one.
+        If ``GPU`` is wanted and Blender cannot have one, or cannot compute with it.
     """
     if wish == "CPU":
+        return False
+    if not computes():
+        if wish == "GPU":
+            raise ParameterError("This Blender computes transforms wrongly on a GPU; bake with the device Processor.")
         return False
     if wish == "GPU":
         try:
