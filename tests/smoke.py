@@ -13,6 +13,8 @@ SMOKE = (
     "tests/addon/test_suns.py::test_v_grows_upwards_whichever_way_u_runs",
     "tests/addon/test_nodes.py::test_file_is_packed_and_needs_nothing_else",
     "tests/addon/test_nodes.py::test_nodes_follow_new_lamps",
+    "tests/addon/test_operators.py",
+    "tests/addon/test_blend_life.py",
     "tests/viewport/test_table.py::test_each_lamp",
 )
 
