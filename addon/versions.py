@@ -26,7 +26,7 @@ def limits() -> list[str]:
         f"Blender {bpy.app.version_string} has no choice of working space: colours are made for {FIXED_WORKING_SPACE}",
         "An OSL material applied in another version of Blender must be applied again here, and the other way round",
         "Bakes run on the processor: compute shaders of this version give wrong transforms",
-        "Nodes and OSL differ by more than 1 % on some pixels here: take OSL where it matters",
+        "Nodes and OSL differ by some per cent on a few pixels here: take OSL where it matters",
     ]
 
 
