@@ -50,8 +50,9 @@ $(READY45): pyproject.toml tools/check_system.py tools/find_python.sh tools/requ
 demo: $(READY)
 	@$(PY) tools/demo.py $(if $(SCAN),--scan "$(SCAN)")
 
+# Two processes, a file of tests at a time: most of a test's time is Blender's own, on one core.
 test: $(READY)
-	@$(PY) -m pytest -m "not slow" $(PYTEST_ARGS)
+	@OPENBLAS_NUM_THREADS=1 $(PY) -m pytest -m "not slow" --numprocesses 2 --dist loadfile $(PYTEST_ARGS)
 
 test-slow: $(READY)
 	@$(PY) -m pytest -m "not thorough" $(PYTEST_ARGS)
