@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything that imports bpy: operators, panels, properties, material, lamps."""
 
+#: Whether the classes are registered. Blender disables its extensions once more after Python's own exit functions.
+_registered = False
+
 
 def _parts():
     from . import estimates, handlers, operators, panels, preferences, properties, travel, viewport
@@ -10,6 +13,7 @@ def _parts():
 
 def register() -> None:
     """Register all classes, then what hangs on them."""
+    global _registered
     import atexit
 
     import bpy
@@ -19,18 +23,22 @@ def register() -> None:
             bpy.utils.register_class(cls)
         if hasattr(part, "register"):
             part.register()
+    _registered = True
     if bpy.app.module:  # Blender 4.5 as a module crashes at its end where anything is still registered
         atexit.register(unregister)
 
 
 def unregister() -> None:
-    """Remove everything in reverse order."""
+    """Remove everything in reverse order; nothing where that was done."""
+    global _registered
     import atexit
 
     import bpy
 
+    if not _registered:
+        return
+    _registered = False
     atexit.unregister(unregister)
-
     for part in reversed(_parts()):
         if hasattr(part, "unregister"):
             part.unregister()

@@ -91,6 +91,26 @@ def test_it_is_enabled_after_install(installed):
     assert all(found["operators"])
 
 
+def test_blender_leaves_without_an_error(extension_zip, tmp_path):
+    script = (
+        "import sys, bpy\n"
+        "bpy.ops.extensions.package_install_files(\n"
+        "    filepath=sys.argv[1], repo='user_default', enable_on_install=True, overwrite=True\n"
+        ")\n"
+        f"assert {MODULE!r} in bpy.context.preferences.addons\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script, str(extension_zip)],
+        cwd=tmp_path,
+        env={**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert "Traceback" not in done.stdout + done.stderr
+
+
 def test_registering_loads_nothing_heavy(installed):
     found, _ = installed
     assert found["heavy"] == []
