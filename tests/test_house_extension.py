@@ -15,6 +15,13 @@ ROOT = Path(__file__).resolve().parent.parent
 MODULE = "bl_ext.user_default.diffraction_shader"
 BUNDLED = ("scipy", "colour", "OpenEXR", "matplotlib", "tifffile", "threadpoolctl")
 
+INSTALL = """
+import sys, bpy
+bpy.ops.extensions.package_install_files(
+    filepath=sys.argv[1], repo="user_default", enable_on_install=True, overwrite=True
+)
+"""
+
 IN_BLENDER = f"""
 import json, os, sys
 import bpy
@@ -23,9 +30,7 @@ def ours():
     return sorted(name for name in dir(bpy.types) if name.startswith("DIFFRACTION_"))
 
 before = ours()
-bpy.ops.extensions.package_install_files(
-    filepath=sys.argv[1], repo="user_default", enable_on_install=True, overwrite=True
-)
+{INSTALL}
 found = {{"before": before, "enabled": {MODULE!r} in bpy.context.preferences.addons, "classes": ours()}}
 found["heavy"] = sorted(set({BUNDLED!r}) & set(sys.modules))
 found["path"] = os.path.dirname(sys.modules[{MODULE!r}].__file__) if {MODULE!r} in sys.modules else None
@@ -66,18 +71,23 @@ def extension_zip():
     return ROOT / built.stdout.split("  ")[0]
 
 
-@pytest.fixture(scope="session")
-def installed(extension_zip, tmp_path_factory):
-    """What a Blender with an empty user folder says after installing the zip, and that folder."""
-    user = tmp_path_factory.mktemp("user")
-    done = subprocess.run(
-        [sys.executable, "-c", IN_BLENDER, str(extension_zip)],
+def in_blender(script, extension_zip, user):
+    """Run a script, which gets the zip's path, in a Blender with this user folder."""
+    return subprocess.run(
+        [sys.executable, "-c", script, str(extension_zip)],
         cwd=user,
         env={**os.environ, "BLENDER_USER_RESOURCES": str(user)},
         capture_output=True,
         text=True,
         check=False,
     )
+
+
+@pytest.fixture(scope="session")
+def installed(extension_zip, tmp_path_factory):
+    """What a Blender with an empty user folder says after installing the zip, and that folder."""
+    user = tmp_path_factory.mktemp("user")
+    done = in_blender(IN_BLENDER, extension_zip, user)
     lines = [line for line in done.stdout.splitlines() if line.startswith("FOUND")]
     assert lines, done.stdout + done.stderr
     return json.loads(lines[0].removeprefix("FOUND")), user
@@ -92,21 +102,7 @@ def test_it_is_enabled_after_install(installed):
 
 
 def test_blender_leaves_without_an_error(extension_zip, tmp_path):
-    script = (
-        "import sys, bpy\n"
-        "bpy.ops.extensions.package_install_files(\n"
-        "    filepath=sys.argv[1], repo='user_default', enable_on_install=True, overwrite=True\n"
-        ")\n"
-        f"assert {MODULE!r} in bpy.context.preferences.addons\n"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script, str(extension_zip)],
-        cwd=tmp_path,
-        env={**os.environ, "BLENDER_USER_RESOURCES": str(tmp_path)},
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+    done = in_blender(f"{INSTALL}assert {MODULE!r} in bpy.context.preferences.addons", extension_zip, tmp_path)
     assert done.returncode == 0, done.stderr
     assert "Traceback" not in done.stdout + done.stderr
 

@@ -116,19 +116,6 @@ def test_emitting_mesh_is_seen(blender, tmp_path):
     assert image == pytest.approx(expected, rel=0.02)
 
 
-@pytest.fixture(scope="module")
-def snake(tmp_path_factory):
-    """The table of the snake preset, small."""
-    from precompute.bake import bake
-    from precompute.parameters import BakeParameters
-    from precompute.presets import make_preset
-
-    table = bake(make_preset("snake", 40e-6, 640), BakeParameters(sigma_s_m=3e-6, level="poly2", detail=0.7))
-    path = tmp_path_factory.mktemp("snake") / "snake.exr"
-    table.save(path)
-    return table, path
-
-
 @pytest.mark.parametrize("theta", [0, 40, 60])
 def test_snake_in_a_white_furnace(blender, snake, theta):
     """Mean equal to the quadrature of the table, never above 1; noise at 64 samples below 14 percent."""

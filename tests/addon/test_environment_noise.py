@@ -12,19 +12,6 @@ from tests.precompute.test_importance import direction, ideal_spread
 from tests.truth import radiance
 
 
-@pytest.fixture(scope="module")
-def snake(tmp_path_factory):
-    """The table of the snake preset, small."""
-    from precompute.bake import bake
-    from precompute.parameters import BakeParameters
-    from precompute.presets import make_preset
-
-    table = bake(make_preset("snake", 40e-6, 640), BakeParameters(sigma_s_m=3e-6, level="poly2", detail=0.7))
-    path = tmp_path_factory.mktemp("snake") / "snake.exr"
-    table.save(path)
-    return table, path
-
-
 def gradient(wi):
     """Radiance of `gradient_world`."""
     return 1.2 + wi[..., 0]

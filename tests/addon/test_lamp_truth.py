@@ -7,11 +7,7 @@ import bpy
 import numpy as np
 import pytest
 
-from precompute.bake import bake
 from precompute.colour import xyz_to_rgb_matrix
-from precompute.parameters import BakeParameters
-from precompute.presets import make_preset
-from precompute.table import SpectralTable
 from tests.addon import materials, scenes
 from tests.addon.test_lamps import add_lamp
 from tests.truth import lamps as truth
@@ -32,15 +28,6 @@ KINDS = {
     "wide rectangle": ("AREA", {"shape": "RECTANGLE", "size": 1.0, "size_y": 0.4}),
     "wide disk": ("AREA", {"shape": "DISK", "size": 0.8}),
 }
-
-
-@pytest.fixture(scope="module")
-def snake(tmp_path_factory):
-    """The table of the snake preset: orders, speckle of a random surface, a peak of a hundredth of a radian."""
-    path = tmp_path_factory.mktemp("snake") / "snake.exr"
-    patch = make_preset("snake", 40e-6, 640)
-    bake(patch, BakeParameters(sigma_s_m=3e-6, level="poly2", detail=0.7)).save(path)
-    return SpectralTable.load(path)
 
 
 def place(number):
@@ -124,21 +111,21 @@ SLOW = {"wide point", "wide spot", "wide rectangle"}
 
 
 @pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.slow if name in SLOW else ()) for name in KINDS])
-def test_one_lamp(blender, snake, tmp_path, name):
-    snake.save(tmp_path / "t.exr")
+def test_one_lamp(blender, snake, name):
+    table, path = snake
     samples = 1024 if name.startswith("wide") else 128
-    image, points, lamps = picture_and_truth(tmp_path / "t.exr", 1, name, samples)
-    truth_image = expected(snake, points, lamps)
+    image, points, lamps = picture_and_truth(path, 1, name, samples)
+    truth_image = expected(table, points, lamps)
     assert truth_image.mean() > 0.01
     assert image.mean() == pytest.approx(truth_image.mean(), rel=0.01)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
-def test_eight_lamps(blender, snake, tmp_path, name):
-    snake.save(tmp_path / "t.exr")
-    image, points, lamps = picture_and_truth(tmp_path / "t.exr", 8, name, samples=4096)
-    truth_image = expected(snake, points, lamps)
+def test_eight_lamps(blender, snake, name):
+    table, path = snake
+    image, points, lamps = picture_and_truth(path, 8, name, samples=4096)
+    truth_image = expected(table, points, lamps)
     assert image.mean() == pytest.approx(truth_image.mean(), rel=0.01)
     assert image.mean((0, 1)) == pytest.approx(truth_image.mean((0, 1)), rel=0.02)
 

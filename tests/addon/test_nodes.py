@@ -48,18 +48,12 @@ def test_same_picture_as_osl(blender, tmp_path, settings):
     assert_images_agree(by_nodes, by_osl, 0.01, where=visible(by_osl), name="nodes")
 
 
-def test_same_picture_as_osl_with_the_table_of_the_snake_preset(blender, tmp_path):
-    """Orders hundredths of a radian wide, a peak a thousand times as bright."""
-    from precompute.bake import bake
-    from precompute.parameters import BakeParameters
-    from precompute.presets import make_preset
-
+def test_same_picture_as_osl_with_the_table_of_the_snake_preset(blender, snake, tmp_path):
     sphere = two_suns(tmp_path, suns=SUNS[:1])
-    table = bake(make_preset("snake", 40e-6, 640), BakeParameters(sigma_s_m=3e-6, level="poly2", detail=0.7))
-    table.save(tmp_path / "snake.exr")
-    materials.diffracting(sphere, tmp_path / "snake.exr", fresnel="NONE", environment=0)
+    _, path = snake
+    materials.diffracting(sphere, path, fresnel="NONE", environment=0)
     by_osl = scenes.render(64)
-    materials.diffracting(sphere, tmp_path / "snake.exr", implementation="NODES", fresnel="NONE", environment=0)
+    materials.diffracting(sphere, path, implementation="NODES", fresnel="NONE", environment=0)
     by_nodes = scenes.render(64)
     assert visible(by_osl).sum() > 500
     assert by_osl.max() > 100 * np.median(by_osl[visible(by_osl)])

@@ -150,18 +150,12 @@ def test_nothing_from_below_and_no_nan(blender, tmp_path):
     assert image[40:56, 40:56].max() == 0.0
 
 
-def test_sphere_with_the_table_of_the_snake_preset(blender, tmp_path):
-    """A real table, whose specular peak is a hundredth of a radian wide and a thousand times its surroundings."""
-    from precompute.bake import bake
-    from precompute.parameters import BakeParameters
-    from precompute.presets import make_preset
-
-    table = bake(make_preset("snake", 40e-6, 640), BakeParameters(sigma_s_m=3e-6, level="poly2", detail=0.7))
-    table.save(tmp_path / "snake.exr")
+def test_sphere_with_the_table_of_the_snake_preset(blender, snake):
+    table, path = snake
     sphere, direction = scenes.add_sphere(segments=768, rings=384), (0.3, -0.4, 0.8)
     scenes.add_sun(direction)
     scenes.add_camera((0.2, 0.1, 1.0))
-    diffracting(sphere, tmp_path / "snake.exr", fresnel="DIELECTRIC", ior=1.55)
+    diffracting(sphere, path, fresnel="DIELECTRIC", ior=1.55)
     truth, good = expected(sphere, table, [direction], 96, reflectance=lambda wi, wr: radiance.schlick(1.55, wi, wr))
     assert good.sum() > 1000
     assert_images_agree(scenes.render(), truth, 0.01, where=good, name="snake")

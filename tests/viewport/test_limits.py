@@ -5,18 +5,8 @@ import bpy
 import numpy as np
 import pytest
 
-from tests.addon import scenes, tables
+from tests.addon import scenes
 from tests.viewport import drawing, scene
-
-
-@pytest.fixture
-def sphere(renderer, tmp_path):
-    tables.make_table(tmp_path / "table.exr", tables.lobes)
-    ob = scenes.add_sphere(segments=32, rings=16)
-    scenes.add_sun((0.3, 0.2, 1), strength=2)
-    scenes.add_camera()
-    scene.give_material(ob, tmp_path / "table.exr", fresnel="NONE")
-    return ob
 
 
 def test_table_larger_than_the_gpu_takes(renderer, sphere, monkeypatch, capsys):
