@@ -7,6 +7,8 @@ import json
 
 import bpy
 
+from .versions import EEVEE
+
 #: Custom property of scenes, lamps and materials that holds what was there before.
 BEFORE = "diffraction_before"
 
@@ -37,7 +39,7 @@ def prepare_scene(scene: bpy.types.Scene, lamps: list[bpy.types.Object], needs_o
         _remember(scene, "shading_system", False)
         cycles.shading_system = True
         notes.append("Open Shading Language is on for this scene")
-    if scene.render.engine not in {"CYCLES", "BLENDER_EEVEE", "BLENDER_EEVEE_NEXT", "BLENDER_WORKBENCH"}:
+    if scene.render.engine not in {"CYCLES", EEVEE, "BLENDER_WORKBENCH"}:
         notes.append("The scene's renderer is not Cycles, which this material needs")
     changed = 0
     for light in {lamp.data for lamp in lamps}:
