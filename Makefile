@@ -26,23 +26,23 @@ help:
 
 setup: $(READY)
 
-$(READY): pyproject.toml .python-version tools/check_system.py tools/find_python.sh tools/requirements.py
-	@sh tools/find_python.sh > /dev/null
+$(READY): pyproject.toml .python-version tools/build/check_system.py tools/build/find_python.sh tools/build/requirements.py
+	@sh tools/build/find_python.sh > /dev/null
 	@test -x $(PY) && $(PY) -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$(shell cut -d. -f1,2 .python-version)')" 2> /dev/null \
-		|| { rm -rf $(VENV); "$$(sh tools/find_python.sh)" -m venv $(VENV); }
-	@$(PY) tools/check_system.py
-	@$(PY) tools/requirements.py blender sweep test dev > $(VENV)/requirements.txt
+		|| { rm -rf $(VENV); "$$(sh tools/build/find_python.sh)" -m venv $(VENV); }
+	@$(PY) tools/build/check_system.py
+	@$(PY) tools/build/requirements.py blender sweep test dev > $(VENV)/requirements.txt
 	@echo "Installing Blender as a module and the tools into $(VENV) (about 500 MB, once) ..."
 	@$(PY) -m pip install --quiet --requirement $(VENV)/requirements.txt
 	@touch $(READY)
 
 setup-4.5: $(READY45)
 
-$(READY45): pyproject.toml tools/check_system.py tools/find_python.sh tools/requirements.py
-	@sh tools/find_python.sh 3.11 > /dev/null
-	@test -x $(PY45) || "$$(sh tools/find_python.sh 3.11)" -m venv $(VENV45)
-	@$(PY45) tools/check_system.py
-	@$(PY45) tools/requirements.py blender test > $(VENV45)/requirements.txt
+$(READY45): pyproject.toml tools/build/check_system.py tools/build/find_python.sh tools/build/requirements.py
+	@sh tools/build/find_python.sh 3.11 > /dev/null
+	@test -x $(PY45) || "$$(sh tools/build/find_python.sh 3.11)" -m venv $(VENV45)
+	@$(PY45) tools/build/check_system.py
+	@$(PY45) tools/build/requirements.py blender test > $(VENV45)/requirements.txt
 	@echo "Installing Blender 4.5 LTS as a module into $(VENV45) (about 500 MB, once) ..."
 	@$(PY45) -m pip install --quiet --requirement $(VENV45)/requirements.txt
 	@touch $(READY45)
@@ -67,9 +67,9 @@ fuzz: $(READY)
 	@$(PY) -m pytest tests/trust $(PYTEST_ARGS)
 
 bench: $(READY)
-	@$(PY) tools/bench_bake.py
-	@$(PY) tools/bench_cycles.py
-	@$(PY) tools/bench_viewport.py
+	@$(PY) tools/bench/bench_bake.py
+	@$(PY) tools/bench/bench_cycles.py
+	@$(PY) tools/bench/bench_viewport.py
 
 lint: $(READY)
 	@$(PY) -m ruff check .
@@ -79,10 +79,10 @@ types: $(READY)
 	@$(PY) -m mypy
 
 docs: $(READY)
-	@$(PY) tools/docs.py
+	@$(PY) tools/docs/all.py
 
 build: $(READY)
-	@$(PY) tools/build_extension.py --platform all
+	@$(PY) tools/build/build_extension.py --platform all
 
 clean:
 	rm -rf $(VENV) $(VENV45) out dist build wheels

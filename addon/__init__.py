@@ -6,9 +6,11 @@ _registered = False
 
 
 def _parts():
-    from . import estimates, handlers, operators, panels, preferences, properties, travel, viewport
+    from . import operators, panels, preferences, properties, viewport
+    from .materials import file_handlers, handlers
+    from .tables import estimates
 
-    return preferences, properties, operators, panels, travel, handlers, viewport, estimates
+    return preferences, properties, operators, panels, file_handlers, handlers, viewport, estimates
 
 
 def register() -> None:

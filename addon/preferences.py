@@ -7,10 +7,10 @@ from pathlib import Path
 
 import bpy
 
-from ..precompute.cache import TableCache
 from ..precompute.constants import CACHE_LIMIT_BYTES
 from ..precompute.errors import DiffractionError
-from .gpu_bake.device import ITEMS, renderer
+from ..precompute.table.cache import TableCache
+from .tables.gpu.device import ITEMS, renderer
 from .versions import limits
 
 _PACKAGE = __package__.rpartition(".")[0]

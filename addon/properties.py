@@ -18,7 +18,8 @@ from bpy.props import (
 )
 
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
-from . import light_file, preset_properties
+from . import preset_properties
+from .tables import light_file
 
 _LABELS = {
     "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),

@@ -4,3 +4,7 @@
 Importing this package loads nothing heavy; its modules import numpy, scipy,
 colour-science and OpenEXR when they are first used.
 """
+
+from .old_names import install as _install
+
+_install(__name__)

@@ -9,7 +9,7 @@ from typing import Any
 
 from .constants import TABLE_LIMIT_BYTES
 from .errors import ParameterError
-from .illuminant import ILLUMINANTS, Illuminant, illuminant_of, to_json
+from .light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, to_json
 
 ENSEMBLES = ("average", "single", "periodic")
 SERIES = ("nodes", "chebyshev", "taylor")
@@ -54,7 +54,7 @@ class BakeParameters:
     tile
         Make opposite edges fit by ``blend`` or by a crop to whole periods (``period``).
     illuminant
-        Spectral distribution of the light: a name of `ILLUMINANTS` or a `precompute.illuminant.Spectrum`, whose
+        Spectral distribution of the light: a name of `ILLUMINANTS` or a `precompute.light.illuminant.Spectrum`, whose
         samples (not its name) then decide the table.
     detail
         Resolution of the table relative to the default 1.0; texels grow with its cube.

@@ -16,12 +16,12 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from .atomic import atomic_path
-from .cache import TableCache, table_key
 from .errors import DiffractionError, ParameterError, TableError
-from .illuminant import Spectrum
-from .output_folder import ensure_folder
+from .files.atomic import atomic_path
+from .files.output_folder import ensure_folder
+from .light.illuminant import Spectrum
 from .parameters import BakeParameters
+from .table.cache import TableCache, table_key
 
 #: The report of a sweep, in the folder of its tables.
 REPORT = "sweep.json"
@@ -117,7 +117,7 @@ def bake_task(task: Task, out_dir: str, cache_dir: str | None = None, cache_limi
 
     A fault of the input comes back as an outcome, since no retry mends it; anything else is raised.
     """
-    from .bake import bake_file
+    from .bake.baking import bake_file
     from .readers import read_scan
 
     try:
@@ -134,7 +134,7 @@ def bake_task(task: Task, out_dir: str, cache_dir: str | None = None, cache_limi
 
 
 def _finished(path: Path, key: str) -> bool:
-    from .table import SpectralTable
+    from .table.table import SpectralTable
 
     try:
         return SpectralTable.load(path).info.get("key") == key
@@ -167,7 +167,7 @@ def sweep(
     retries
         How often a task is tried again after a worker died or an unexpected error.
     cache_dir, cache_limit
-        See :class:`precompute.cache.TableCache`.
+        See :class:`precompute.table.cache.TableCache`.
     progress
         Called with the last task's name and the fraction done.
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The transforms of a bake, one small step a dispatch: every thread writes one element of `dst`, a complex number (or a real one in
-// STAGE_REAL). What the steps compute together is in precompute/intensity.py. Steps work on the lower left corner of the textures.
+// STAGE_REAL). What the steps compute together is in precompute/bake/intensity.py. Steps work on the lower left corner of the textures.
 
 vec2 df_product(vec2 a, vec2 b)
 {

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.smoke import is_smoke
+from tests.support.smoke import is_smoke
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -24,7 +24,7 @@ atexit.register(shutil.rmtree, _user_resources, ignore_errors=True)
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """What is thorough is slow too; the smoke tests are those of tests/smoke.py."""
+    """What is thorough is slow too; the smoke tests are those of tests/support/smoke.py."""
     for item in items:
         if is_smoke(item.nodeid.partition("[")[0]):
             item.add_marker(pytest.mark.smoke)

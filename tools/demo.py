@@ -16,9 +16,12 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-from build_extension import build
-from check_manifest import main as check_manifest
-from fetch_wheels import ROOT, chosen_platforms
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # a script: its folder alone is on the path
+
+
+from tools.build.build_extension import build
+from tools.build.check_manifest import main as check_manifest
+from tools.build.fetch_wheels import ROOT, chosen_platforms
 
 MODULE = "bl_ext.user_default.diffraction_shader"
 

@@ -7,7 +7,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
-from .. import lights, material, paths, properties, setup
+from .. import paths, properties
+from ..materials import lights, material, setup
 from ..versions import give_nodes, limits
 from .from_panel import take
 

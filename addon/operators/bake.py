@@ -7,11 +7,13 @@ import bpy
 from bpy.props import EnumProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
-from .. import bake_settings, estimates, light_file, paths, properties, recipe, scan_store, travel
-from ..bake_job import BakeJob
-from ..gpu_bake.device import ITEMS
+from .. import paths, properties
+from ..jobs.threaded import Threaded, busy, has_scan
+from ..materials import refresh
 from ..preferences import bake_device, table_cache
-from .threaded import Threaded, busy, has_scan
+from ..tables import bake_settings, estimates, light_file, recipe, scan_store
+from ..tables.bake_job import BakeJob
+from ..tables.gpu.device import ITEMS
 
 
 class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
@@ -75,7 +77,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         state.table_recipe = recipe.make(state)
         estimates.learn(context.scene, result.seconds["total"])
         try:
-            travel.refresh(result.path, context.scene, state.table_recipe)
+            refresh.refresh(result.path, context.scene, state.table_recipe)
         except DiffractionError as error:
             self.report({"WARNING"}, str(error))
         megabytes = result.table.layout.texel_bytes / 1e6

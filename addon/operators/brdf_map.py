@@ -6,11 +6,11 @@ from __future__ import annotations
 import bpy
 
 from .. import paths, pictures, properties
-from ..job import Job
+from ..jobs.job import Job
+from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
-from ..table_state import READY, table_state
+from ..tables.table_state import READY, table_state
 from .from_panel import take
-from .threaded import Threaded, busy
 
 
 class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
@@ -40,10 +40,10 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
         theta, phi, size, linear = decimal(self.theta), decimal(self.phi), self.size, self.linear
 
         def work(progress):
-            from ...precompute.brdf_map import brdf_map, map_to_srgb
-            from ...precompute.colour import xyz_to_rgb
-            from ...precompute.directions import from_angles
-            from ...precompute.table import SpectralTable
+            from ...precompute.evaluate.directions import from_angles
+            from ...precompute.evaluate.disc_map import brdf_map, map_to_srgb
+            from ...precompute.light.colour import xyz_to_rgb
+            from ...precompute.table.table import SpectralTable
 
             progress("read the table", 0.0)
             table = SpectralTable.load(path)

@@ -11,13 +11,15 @@ from types import SimpleNamespace
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
-from ...precompute.atomic import atomic_path
 from ...precompute.errors import DiffractionError, TableError
-from .. import bake_settings, lights, material, paths, recipe, scan_store, travel
-from ..bake_job import BakeJob
+from ...precompute.files.atomic import atomic_path
+from .. import paths
+from ..jobs.threaded import Threaded, busy
+from ..materials import lights, material, refresh, travel
 from ..preferences import bake_device
-from ..table_state import READY, table_state
-from .threaded import Threaded, busy
+from ..tables import bake_settings, recipe, scan_store
+from ..tables.bake_job import BakeJob
+from ..tables.table_state import READY, table_state
 
 SCOPE_ITEMS = [
     ("BROKEN", "Broken", "Tables that are missing, damaged or of another release"),
@@ -88,7 +90,7 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
         for (place, users), result in zip(self._targets, results, strict=True):
             made = users[0].get(recipe.KEY, "")
             if result.path == place:
-                travel.refresh(place, context.scene, made)
+                refresh.refresh(place, context.scene, made)
             else:
                 for each in users:
                     material.apply(each, result.path, material.settings_of(each), lights.lamp_objects(context.scene))

@@ -11,10 +11,11 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from bpy_extras.io_utils import ImportHelper
 
 from ...precompute.errors import ScanError
-from .. import paths, scan_store
-from ..job import Job
+from .. import paths
+from ..jobs.job import Job
+from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
-from .threaded import Threaded, busy
+from ..tables import scan_store
 
 TURN_ITEMS = [
     ("0", "0\N{DEGREE SIGN}", "As it is"),

@@ -7,10 +7,11 @@ import bpy
 from bpy.props import EnumProperty
 
 from ...precompute.presets import PRESETS, make_preset
-from .. import paths, preset_properties, properties, scan_store
-from ..job import Job
+from .. import paths, preset_properties, properties
+from ..jobs.job import Job
+from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
-from .threaded import Threaded, busy
+from ..tables import scan_store
 
 
 class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):

@@ -5,10 +5,11 @@ from __future__ import annotations
 
 import bpy
 
-from .. import bake_settings, pictures, properties, scan_store
-from ..job import Job
+from .. import pictures, properties
+from ..jobs.job import Job
+from ..jobs.threaded import Threaded, busy, has_scan
+from ..tables import bake_settings, scan_store
 from .from_panel import take
-from .threaded import Threaded, busy, has_scan
 
 #: Name of the image.
 IMAGE = "Diffraction Levelling"
@@ -43,9 +44,9 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
         chosen = replace(bake_settings.parameters(context.scene.diffraction), **bake_settings.levelling(self))
 
         def work(progress):
-            from ...precompute.levelling_picture import levelling_picture
-            from ...precompute.prepare import prepare
             from ...precompute.readers import read_scan
+            from ...precompute.scan.levelling_picture import levelling_picture
+            from ...precompute.scan.preparation import prepare
 
             progress("read", 0.0)
             before = read_scan(source, **reading)

@@ -10,11 +10,12 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .. import bake_settings, pictures, properties, scan_store
-from ..job import Job
+from .. import pictures, properties
+from ..jobs.job import Job
+from ..jobs.threaded import Threaded, busy, has_scan
 from ..numbers import decimal
+from ..tables import bake_settings, scan_store
 from .from_panel import take
-from .threaded import Threaded, busy, has_scan
 
 #: Name of the image.
 IMAGE = "Diffraction Reflectance"
@@ -50,12 +51,12 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
         folder = Path(bpy.app.tempdir or tempfile.gettempdir())
 
         def work(progress):
-            from ...precompute import reflectance
             from ...precompute.errors import ParameterError
-            from ...precompute.lattice import find_lattice
-            from ...precompute.prepare import prepare
+            from ...precompute.evaluate import reflectance
+            from ...precompute.evaluate.reflectance_plot import save_plot
             from ...precompute.readers import read_scan
-            from ...precompute.reflectance_plot import save_plot
+            from ...precompute.scan.lattice import find_lattice
+            from ...precompute.scan.preparation import prepare
 
             progress("read", 0.0)
             patch = prepare(read_scan(source, **reading), chosen)

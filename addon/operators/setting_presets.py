@@ -7,7 +7,7 @@ import bpy
 from bl_operators.presets import AddPresetBase
 
 from ...precompute.presets import PRESETS
-from .. import bake_settings
+from ..tables import bake_settings
 
 _STATE = "state = bpy.context.scene.diffraction"
 

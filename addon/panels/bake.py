@@ -6,9 +6,11 @@ from __future__ import annotations
 import bpy
 
 from ...precompute.errors import DiffractionError
-from .. import bake_settings, estimates, light_file, paths, progress
+from .. import paths
+from ..jobs import progress
 from ..operators.setting_presets import DIFFRACTION_MT_bake_presets
-from ..table_state import NONE, READY, TableState, table_state
+from ..tables import bake_settings, estimates, light_file
+from ..tables.table_state import NONE, READY, TableState, table_state
 from .sidebar import Sidebar, Stage, duration, file_name, megabytes, note, split, vector
 
 

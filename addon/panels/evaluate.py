@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-from .. import pictures, progress
+from .. import pictures
+from ..jobs import progress
 from ..operators.reflectance import IMAGE
 from .sidebar import Sidebar, Stage, note, split
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 
 import bpy
 
-from .. import estimates, pictures, progress
+from .. import pictures
+from ..jobs import progress
 from ..operators.preview_levelling import IMAGE
+from ..tables import estimates
 from .sidebar import Stage, note, split, vector
 
 

@@ -7,9 +7,10 @@ import re
 
 import bpy
 
-from .. import material, paths, scale, setup, travel
+from .. import paths
+from ..materials import material, scale, setup, travel
 from ..operators.files import farm_copies, is_fresh, tables
-from ..table_state import READY, table_state
+from ..tables.table_state import READY, table_state
 from .bake import scene_table
 from .sidebar import Sidebar, Stage, file_name, megabytes, note, split
 

@@ -8,8 +8,9 @@ import json
 import bpy
 
 from ...precompute.presets import PRESETS
-from .. import paths, scan_store
+from .. import paths
 from ..operators.setting_presets import DIFFRACTION_MT_structure_presets
+from ..tables import scan_store
 from .sidebar import Sidebar, Stage, file_name, note, split
 
 

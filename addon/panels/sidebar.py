@@ -7,7 +7,7 @@ import textwrap
 
 import bpy
 
-from .. import progress
+from ..jobs import progress
 
 #: At a user interface scale of 1, in pixels: a character of ordinary text, and what margins and an icon take.
 _CHARACTER, _MARGINS = 6.4, 72.0

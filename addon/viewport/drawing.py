@@ -13,13 +13,14 @@ import bpy
 import numpy as np
 
 from ...precompute.errors import DiffractionError
-from .. import material
-from . import blocks, items, lamps, looks, orientation, sources
-from .batches import Meshes
-from .display import Display
+from ..materials import material
+from . import items, lamps, looks
+from .data import blocks, orientation, sources
+from .data.batches import Meshes
+from .data.display import Display
+from .data.series import SeriesTextures
+from .data.textures import Tables
 from .looks import View
-from .series import SeriesTextures
-from .textures import Tables
 
 #: Views of different scenes or layers whose lists are kept.
 _LISTS = 4

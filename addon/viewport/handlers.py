@@ -8,12 +8,10 @@ import numpy as np
 from bpy.app.handlers import persistent
 
 from ..versions import EEVEE
-from . import settings, sources
-from .display import redraw
-from .drawing import Renderer
-
-#: What the viewport keeps between two drawings.
-renderer = Renderer()
+from . import settings
+from .data import sources
+from .data.display import redraw
+from .kept import renderer
 
 _draw_handle = None
 

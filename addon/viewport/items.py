@@ -10,9 +10,9 @@ from typing import Any
 import bpy
 from mathutils import Matrix
 
-from .. import material
-from . import orientation
-from .batches import MeshBatches, Meshes
+from ..materials import material
+from .data import orientation
+from .data.batches import MeshBatches, Meshes
 
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .. import lights
-from ..osl import LAMP_KINDS, LAMPS_MAX
+from ..materials import lights
+from ..materials.osl import LAMP_KINDS, LAMPS_MAX
 
 #: Directions (in the view's axes) and strengths of the lamps that stand in where a scene has none.
 _STUDIO = (((-0.4, 0.5, 0.75), 3.0), ((0.8, 0.25, 0.55), 1.5), ((0.1, -0.7, 0.7), 0.8))

@@ -9,14 +9,14 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from ...precompute.brdf import coherence_area, relative_colour_factor
-from ...precompute.colour import xyz_to_rgb_matrix
-from ...precompute.layout import TableLayout
-from .. import material
-from ..osl import FRESNEL
+from ...precompute.evaluate.surface import coherence_area, relative_colour_factor
+from ...precompute.light.colour import xyz_to_rgb_matrix
+from ...precompute.table.layout import TableLayout
+from ..materials import material
+from ..materials.osl import FRESNEL
 from ..versions import working_space
-from . import orientation
-from .blocks import Surface
+from .data import orientation
+from .data.blocks import Surface
 
 
 @dataclass(frozen=True)

@@ -11,36 +11,14 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...precompute.atomic import atomic_path
 from ...precompute.errors import OutputError, ParameterError
-from ..versions import start_gpu
+from ...precompute.files.atomic import atomic_path
+from ..gpu_context import NoGpu, ensure_gpu
 from .drawing import Renderer
 from .looks import View
 
 #: File formats by suffix: name and bits a channel.
 FORMATS = {".png": ("PNG", "8"), ".jpg": ("JPEG", "8"), ".jpeg": ("JPEG", "8"), ".exr": ("OPEN_EXR", "32")}
-
-
-class NoGpu(ParameterError):
-    """There is nothing to draw with."""
-
-
-def ensure_gpu() -> None:
-    """A GPU context, also in background mode.
-
-    Raises
-    ------
-    NoGpu
-        If this Blender cannot have one.
-    """
-    import gpu
-
-    try:
-        if bpy.app.background:
-            start_gpu()
-        gpu.platform.renderer_get()
-    except Exception as error:
-        raise NoGpu("Blender has no GPU context here, so the viewport cannot be drawn; render with Cycles.") from error
 
 
 @contextmanager
@@ -222,7 +200,7 @@ def save(pixels: np.ndarray, scene: bpy.types.Scene, path: Path, transparent: bo
     OutputError
         If the suffix is unknown or the folder cannot be written.
     """
-    from .display import write_as_render
+    from .data.display import write_as_render
 
     if path.suffix.lower() not in FORMATS:
         raise OutputError(f"'{path.name}' has no known picture format; use one of {', '.join(FORMATS)}.")

@@ -7,7 +7,7 @@ import textwrap
 
 import bpy
 
-from .. import material
+from ..materials import material
 
 
 class DIFFRACTION_PT_viewport(bpy.types.Panel):

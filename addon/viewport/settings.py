@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 
+from .data.display import redraw
+from .kept import renderer
 from .looks import View
 
 METHOD_ITEMS = [
@@ -42,10 +44,8 @@ _off: set[int] = set()
 
 
 def _changed(self, context) -> None:
-    from . import handlers
-
-    handlers.renderer.note(set())
-    handlers.redraw()
+    renderer.note(set())
+    redraw()
 
 
 def _here(_) -> bool:

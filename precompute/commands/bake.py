@@ -37,8 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """Bake and say what it cost."""
-    from ..bake import bake_file
-    from ..memory import peak_rss_bytes
+    from ..bake.baking import bake_file
+    from ..files.memory import peak_rss_bytes
 
     parameters = options.bake_parameters(args, detail=args.detail, limit_bytes=int(args.limit_mb * 1e6))
     with options.Progress() as progress:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..methods import METHODS
+from ..evaluate.methods import METHODS
 from ..parameters import BakeParameters
 from . import options
 from .method_facts import method_lines
@@ -29,9 +29,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """Absolute BRDF without Fresnel in 1/sr: ``f`` at one wavelength, else ``xyz``."""
-    from ..direct import direct_f, direct_xyz
-    from ..prepare import prepare
-    from ..window import default_sigma_s
+    from ..bake.window import default_sigma_s
+    from ..evaluate.direct import direct_f, direct_xyz
+    from ..scan.preparation import prepare
 
     parameters = options.bake_parameters(args)
     if args.method != "direct":
@@ -53,13 +53,13 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
 def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str, Any]:
     """The same by a method with one coherence window, or by copies of the scan (pq)."""
-    from ..brdf import geometry_factor, relative_factor
-    from ..direct import check_wavelength
-    from ..directions import uvw
     from ..errors import ParameterError
-    from ..methods import make_method
-    from ..methods.flss import STEP_M, method_xyz
-    from ..prepare import prepare
+    from ..evaluate.direct import check_wavelength
+    from ..evaluate.directions import uvw
+    from ..evaluate.methods import make_method
+    from ..evaluate.methods.flss import STEP_M, method_xyz
+    from ..evaluate.surface import geometry_factor, relative_factor
+    from ..scan.preparation import prepare
 
     if parameters.ensemble != "single" and args.method != "pq":
         raise ParameterError(f"The method '{args.method}' has one coherence window; add --ensemble single.")

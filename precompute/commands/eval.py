@@ -17,8 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """Absolute BRDF without Fresnel, raw model, XYZ in 1/sr."""
-    from ..brdf import brdf
-    from ..table import SpectralTable
+    from ..evaluate.surface import brdf
+    from ..table.table import SpectralTable
 
     table = SpectralTable.load(args.table)
     xyz = brdf(table, options.direction(args.wi), options.direction(args.wr))

@@ -15,8 +15,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
-    """See `precompute.scan_info.scan_info`."""
-    from ..scan_info import scan_info
+    """See `precompute.scan.info.scan_info`."""
+    from ..scan.info import scan_info
 
     return scan_info(options.read(args))
 

@@ -22,9 +22,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """Write the map."""
-    from ..brdf_map import brdf_map, exposure_of, save_map
-    from ..images import check_image_path
-    from ..table import SpectralTable
+    from ..evaluate.disc_map import brdf_map, exposure_of, save_map
+    from ..files.images import check_image_path
+    from ..table.table import SpectralTable
 
     check_image_path(args.out)
     table = SpectralTable.load(args.table)

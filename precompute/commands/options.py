@@ -12,14 +12,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..constants import CACHE_LIMIT_BYTES
-from ..directions import from_angles
 from ..errors import ParameterError
-from ..heightfield import HeightField
-from ..illuminant import ILLUMINANTS, Illuminant, illuminant_of, read_spectrum
+from ..evaluate.directions import from_angles
+from ..light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, read_spectrum
 from ..parameters import ENSEMBLES, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
+from ..scan.heightfield import HeightField
 
 if TYPE_CHECKING:
-    from ..cache import TableCache
+    from ..table.cache import TableCache
 
 
 def number(text: str) -> float:
@@ -170,7 +170,7 @@ def add_cache(parser: argparse.ArgumentParser) -> None:
 
 def cache(args: argparse.Namespace) -> TableCache | None:
     """The cache that `add_cache` names."""
-    from ..cache import TableCache
+    from ..table.cache import TableCache
 
     return None if args.cache == "none" else TableCache(args.cache, int(args.cache_limit_mb * 1e6))
 

@@ -35,9 +35,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """Build and write it."""
     from ..errors import OutputError
-    from ..gsf import write_gsf
     from ..presets import make_preset
-    from ..scan_info import scan_info
+    from ..scan.gsf import write_gsf
+    from ..scan.info import scan_info
 
     if not args.out.lower().endswith(".gsf"):
         raise OutputError(f"Cannot write '{args.out}': a preset is stored as .gsf; give the file that suffix.")

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ..methods import METHODS
+from ..evaluate.methods import METHODS
 from . import options
 from .method_facts import method_lines
 
@@ -42,10 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """Estimate the period; draw the plot where --out asks for it."""
     from ..errors import ParameterError
+    from ..evaluate.reflectance import Plane, estimated_periods, response, steps
+    from ..evaluate.reflectance_plot import check_plot_path, save_plot
     from ..parameters import BakeParameters
-    from ..prepare import prepare
-    from ..reflectance import Plane, estimated_periods, response, steps
-    from ..reflectance_plot import check_plot_path, save_plot
+    from ..scan.preparation import prepare
 
     if args.out is not None:
         check_plot_path(args.out)
@@ -119,7 +119,7 @@ def _curve_period(args: argparse.Namespace, phi: float, lattice: list[dict[str, 
 
 def _lattice(patch) -> list[dict[str, float]]:
     """Dominant periods of the heights: spacing, and the azimuth along which they repeat."""
-    from ..lattice import find_lattice
+    from ..scan.lattice import find_lattice
 
     if min(patch.shape) < 32:
         return []

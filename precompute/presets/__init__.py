@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import ParameterError, SizeLimitError
-from ..heightfield import HeightField
+from ..scan.heightfield import HeightField
 from . import bumps, discs, foils, gratings, morpho, snake
 from .preset import Parameter, Preset
 

@@ -19,11 +19,11 @@ from types import TracebackType
 import numpy as np
 
 from ..errors import DiffractionError, ScanError
-from ..heightfield import HeightField
-from .channel import Channel, Samples, choose_channel
+from ..scan.heightfield import HeightField
+from .common.channel import Channel, Samples, choose_channel
+from .common.limits import LIMIT_FILE_BYTES
+from .common.units import metres_per
 from .formats import Format, find_format
-from .limits import LIMIT_FILE_BYTES
-from .units import metres_per
 
 __all__ = ["channel_names", "read_scan"]
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import ScanError
-from .channel import Channel
-from .tiff_tags import first_tags
+from .common.channel import Channel
+from .common.tiff_tags import first_tags
 
 _HEAD_BYTES = 4096
 
@@ -29,7 +29,7 @@ class Format:
     extensions
         Lower-case, with the dot.
     module, function
-        Where its reader lives in this package; imported when needed.
+        Where its reader lives in this package (``family.module``); imported when needed.
     magic
         First bytes of a file; empty where the extension alone decides.
     claims
@@ -82,26 +82,28 @@ def _is_x3p(path: Path, head: bytes) -> bool:
 
 #: Most specific first: a Park TIFF is also a plain TIFF.
 FORMATS: tuple[Format, ...] = (
-    Format("gsf", (".gsf",), "gsf", "read_gsf", (b"Gwyddion Simple Field 1.0\n",)),
-    Format("gwy", (".gwy",), "gwy", "read_gwy", (b"GWYO", b"GWYP")),
-    Format("nanoscope", (".spm", ".di", ".001"), "nanoscope", "read_nanoscope", (b"\\*File list", b"?*File list")),
-    Format("igor", (".ibw",), "igor", "read_ibw"),
-    Format("x3p", (".x3p",), "x3p", "read_x3p", (b"PK\x03\x04",), _is_x3p),
-    Format("nanosurf", (".nid", ".ezd"), "nanosurf", "read_nid", (b"[DataSet]",)),
-    Format("park", (".tiff", ".tif"), "park", "read_park", (b"II*\0", b"MM\0*"), _is_park),
-    Format("jpk", (".jpk",), "jpk", "read_jpk", (b"II*\0", b"MM\0*"), _is_jpk),
-    Format("wsxm", (".stp", ".top", ".cur", ".tom"), "wsxm", "read_wsxm", (b"WSxM file copyright",), _is_wsxm),
-    Format("nanonis", (".sxm",), "nanonis", "read_sxm", (b":NANONIS_VERSION:",)),
-    Format("sur", (".sur",), "digital_surf", "read_sur", (b"DIGITAL SURF", b"DSCOMPRESSED")),
-    Format("sdf", (".sdf",), "sdf", "read_sdf", (b"aISO-1.0", b"bISO-1.0")),
-    Format("opd", (".opd",), "opd", "read_opd", (), _is_opd),
-    Format("plu", (".plu", ".apx"), "plu", "read_plu"),
-    Format("exr", (".exr",), "image", "read_exr", (b"\x76\x2f\x31\x01",), plain=True),
-    Format("png", (".png",), "image", "read_png", (b"\x89PNG\r\n\x1a\n",), plain=True),
-    Format("jpeg", (".jpg", ".jpeg"), "image", "read_png", (b"\xff\xd8\xff",), plain=True),
-    Format("bmp", (".bmp",), "image", "read_png", (b"BM",), plain=True),
-    Format("tiff", (".tif", ".tiff"), "image", "read_tiff", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"), plain=True),
-    Format("text", (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text"), "text", "read_text"),
+    Format("gsf", (".gsf",), "plain.gsf", "read_gsf", (b"Gwyddion Simple Field 1.0\n",)),
+    Format("gwy", (".gwy",), "plain.gwy", "read_gwy", (b"GWYO", b"GWYP")),
+    Format(
+        "nanoscope", (".spm", ".di", ".001"), "probe.nanoscope", "read_nanoscope", (b"\\*File list", b"?*File list")
+    ),
+    Format("igor", (".ibw",), "probe.igor", "read_ibw"),
+    Format("x3p", (".x3p",), "optical.x3p", "read_x3p", (b"PK\x03\x04",), _is_x3p),
+    Format("nanosurf", (".nid", ".ezd"), "probe.nanosurf", "read_nid", (b"[DataSet]",)),
+    Format("park", (".tiff", ".tif"), "probe.park", "read_park", (b"II*\0", b"MM\0*"), _is_park),
+    Format("jpk", (".jpk",), "probe.jpk", "read_jpk", (b"II*\0", b"MM\0*"), _is_jpk),
+    Format("wsxm", (".stp", ".top", ".cur", ".tom"), "probe.wsxm", "read_wsxm", (b"WSxM file copyright",), _is_wsxm),
+    Format("nanonis", (".sxm",), "probe.nanonis", "read_sxm", (b":NANONIS_VERSION:",)),
+    Format("sur", (".sur",), "optical.digital_surf", "read_sur", (b"DIGITAL SURF", b"DSCOMPRESSED")),
+    Format("sdf", (".sdf",), "optical.sdf", "read_sdf", (b"aISO-1.0", b"bISO-1.0")),
+    Format("opd", (".opd",), "optical.opd", "read_opd", (), _is_opd),
+    Format("plu", (".plu", ".apx"), "optical.plu", "read_plu"),
+    Format("exr", (".exr",), "plain.image", "read_exr", (b"\x76\x2f\x31\x01",), plain=True),
+    Format("png", (".png",), "plain.image", "read_png", (b"\x89PNG\r\n\x1a\n",), plain=True),
+    Format("jpeg", (".jpg", ".jpeg"), "plain.image", "read_png", (b"\xff\xd8\xff",), plain=True),
+    Format("bmp", (".bmp",), "plain.image", "read_png", (b"BM",), plain=True),
+    Format("tiff", (".tif", ".tiff"), "plain.image", "read_tiff", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"), plain=True),
+    Format("text", (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text"), "plain.text", "read_text"),
 )
 
 

@@ -3,7 +3,7 @@
 
 import pytest
 
-from tests.addon import extension
+from tests.support.blender import extension
 
 
 @pytest.fixture(scope="session")
@@ -13,7 +13,7 @@ def snake(tmp_path_factory):
     Orders hundredths of a radian wide, speckle of a random surface, a peak a hundredth of a radian wide and a thousand
     times as bright as its surroundings.
     """
-    from precompute.bake import bake
+    from precompute.bake.baking import bake
     from precompute.parameters import BakeParameters
     from precompute.presets import make_preset
 

@@ -6,7 +6,7 @@ import sys
 
 import bpy
 
-from tests.addon import extension
+from tests.support.blender import extension
 
 
 def test_register_imports_nothing_heavy():

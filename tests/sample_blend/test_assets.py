@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from tests.addon import extension
+from tests.support.blender import extension
 
 BUILD = """
 import importlib.util, json, os, sys

@@ -9,8 +9,8 @@ import sys
 import numpy as np
 import pytest
 
-from tests.addon import extension
-from tests.trust.tables import small_table
+from tests.support.blender import extension
+from tests.support.trust.tables import small_table
 
 #: Cycles of enabling through Blender's own preferences; prints what is registered before and after, and memory.
 CYCLES = """
@@ -108,8 +108,8 @@ def test_a_smaller_limit_and_the_button_make_room(enabled):
 
 def test_the_operator_bakes_through_the_cache(enabled, tmp_path):
     """Two bakes of one scan write the same bytes, the second from the cache."""
-    from precompute.gsf import write_gsf
-    from tests.trust.tables import small_scan
+    from precompute.scan.gsf import write_gsf
+    from tests.support.trust.tables import small_scan
 
     bpy, _, folder = enabled
     scan = write_gsf(small_scan(1), tmp_path / "scan.gsf")

@@ -11,14 +11,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from precompute.bake import bake_file
-from precompute.cache import TableCache, table_key
+from precompute.bake.baking import bake_file
 from precompute.cli import main
 from precompute.errors import OutputError, ParameterError
-from precompute.gsf import write_gsf
-from precompute.heightfield import HeightField
 from precompute.parameters import BakeParameters
-from tests.trust.tables import small_scan, small_table
+from precompute.scan.gsf import write_gsf
+from precompute.scan.heightfield import HeightField
+from precompute.table.cache import TableCache, table_key
+from tests.support.trust.tables import small_scan, small_table
 
 ROOT = Path(__file__).resolve().parents[2]
 PARAMETERS = BakeParameters(sigma_s_m=0.5e-6, detail=0.5)
@@ -168,7 +168,7 @@ def test_a_cache_that_cannot_be_written_does_not_spoil_the_bake(tmp_path, scan, 
         raise OutputError("Cannot write: no space left on device.")
 
     cache = TableCache(tmp_path / "cache")
-    monkeypatch.setattr("precompute.table.SpectralTable.save_atlas", full)
+    monkeypatch.setattr("precompute.table.table.SpectralTable.save_atlas", full)
     report = bake_file(scan, tmp_path / "out", PARAMETERS, cache=cache)
     assert report.cache == "not stored"
     assert report.path.is_file()
@@ -187,8 +187,8 @@ def test_two_processes_share_a_cache(tmp_path):
     program = """
 import sys
 import numpy as np
-from precompute.cache import TableCache
-from tests.trust.tables import small_table
+from precompute.table.cache import TableCache
+from tests.support.trust.tables import small_table
 
 tables = [small_table(n) for n in range(3)]
 cache = TableCache(sys.argv[1], limit_bytes=int(2.5 * (tables[0].atlas.nbytes + 5000)))

@@ -2,7 +2,7 @@
 """Every reader and the loaders of tables and terms under damaged files: a result or one sentence.
 
 A case may neither crash the process, take 5 s, want more than 1 GiB, nor raise anything but a
-``DiffractionError``; see ``tests/trust/fuzz.py``.
+``DiffractionError``; see ``tests/support/trust/fuzz.py``.
 """
 
 import json
@@ -16,7 +16,7 @@ from pathlib import Path
 import pytest
 
 from precompute.readers.formats import FORMATS
-from tests.trust import seeds
+from tests.support.trust import seeds
 
 ROOT = Path(__file__).resolve().parents[2]
 TARGETS = (*seeds.NAMES, "table", "terms")
@@ -35,7 +35,7 @@ def folder(tmp_path):
 
 
 def fuzz(cases, folder, *names, seed=1):
-    arguments = [sys.executable, "-m", "tests.trust.fuzz", str(cases), str(folder), str(seed), *map(str, names)]
+    arguments = [sys.executable, "-m", "tests.support.trust.fuzz", str(cases), str(folder), str(seed), *map(str, names)]
     done = subprocess.run(arguments, cwd=ROOT, capture_output=True, text=True, errors="replace", check=False)
     if done.returncode != 0:
         kept = ROOT / "out" / "fuzz"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""kill -9 at random moments: afterwards the old data or the new, never a mixture; see ``tests/trust/kills.py``."""
+"""kill -9 at random moments: afterwards the old data or the new, never a mixture. See ``tests/support/trust/``."""
 
 import json
 import os
@@ -21,7 +21,7 @@ def kill(kind, points, folder, seed):
             "-W",
             "ignore::DeprecationWarning",
             "-m",
-            "tests.trust.kills",
+            "tests.support.trust.kills",
             kind,
             str(points),
             folder,

@@ -9,15 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from precompute import memory
-from precompute.bake import bake, bake_file
+from precompute.bake.baking import bake, bake_file
 from precompute.cli import main
 from precompute.errors import DiffractionError, SizeLimitError
-from precompute.gsf import write_gsf
-from precompute.heightfield import HeightField
+from precompute.files import memory
 from precompute.parameters import BakeParameters
-from tests.peak_memory import PeakMemory
-from tests.trust.tables import small_scan
+from precompute.scan.gsf import write_gsf
+from precompute.scan.heightfield import HeightField
+from tests.support.peak_memory import PeakMemory
+from tests.support.trust.tables import small_scan
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -39,8 +39,8 @@ def test_the_estimate_is_what_a_bake_takes(pixels, step, sigma, ensemble, series
 import json, sys
 import numpy as np
 from precompute import bake, budget
-from precompute.heightfield import HeightField
-from precompute.memory import peak_rss_bytes
+from precompute.scan.heightfield import HeightField
+from precompute.files.memory import peak_rss_bytes
 from precompute.parameters import BakeParameters
 
 pixels, step, sigma, ensemble, series, relief = json.loads(sys.argv[1])
@@ -79,10 +79,10 @@ def test_a_scan_that_would_be_refined_is_refused_before_it_is():
 def test_what_is_free_is_the_limit(monkeypatch):
     free = memory.available_bytes()
     assert free is None or free > 10_000_000
-    monkeypatch.setattr("precompute.budget.available_bytes", lambda: 100_000_000)
+    monkeypatch.setattr("precompute.bake.budget.available_bytes", lambda: 100_000_000)
     with pytest.raises(SizeLimitError, match=r"0\.10 GB are free"):
         bake(small_scan(1), BakeParameters())
-    monkeypatch.setattr("precompute.budget.available_bytes", lambda: None)
+    monkeypatch.setattr("precompute.bake.budget.available_bytes", lambda: None)
     assert bake(small_scan(1), BakeParameters(sigma_s_m=0.5e-6, detail=0.5)).albedo_max > 0
 
 

@@ -10,14 +10,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from precompute.bake import bake_file
+from precompute.bake.baking import bake_file
 from precompute.cli import main
 from precompute.errors import DiffractionError, OutputError, ScanError
-from precompute.gsf import write_gsf
 from precompute.parameters import BakeParameters
 from precompute.readers import read_scan
-from precompute.table import SpectralTable
-from tests.trust.tables import small_scan, small_table
+from precompute.scan.gsf import write_gsf
+from precompute.table.table import SpectralTable
+from tests.support.trust.tables import small_scan, small_table
 
 ROOT = Path(__file__).resolve().parents[2]
 PARAMETERS = BakeParameters(sigma_s_m=0.5e-6, detail=0.5)
@@ -28,12 +28,12 @@ import json, resource, sys
 from pathlib import Path
 import numpy as np
 from precompute.errors import DiffractionError
-from precompute.gsf import write_gsf
-from precompute.images import write_exr, write_png
-from precompute.importance import save_importance
+from precompute.scan.gsf import write_gsf
+from precompute.files.images import write_exr, write_png
+from precompute.table.importance import save_importance
 from precompute.parameters import BakeParameters
-from precompute.terms import save_terms
-from tests.trust.tables import small_scan, small_table
+from precompute.bake.terms import save_terms
+from tests.support.trust.tables import small_scan, small_table
 
 folder, limit = Path(sys.argv[1]), int(sys.argv[2])
 scan, table = small_scan(1), small_table(1)

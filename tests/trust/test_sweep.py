@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
-from precompute.bake import bake_file
+from precompute.bake.baking import bake_file
 from precompute.errors import ParameterError
-from precompute.gsf import write_gsf
 from precompute.parameters import BakeParameters
+from precompute.scan.gsf import write_gsf
 from precompute.sweep import make_tasks, sweep
-from precompute.table import SpectralTable
-from tests.trust.tables import small_scan
+from precompute.table.table import SpectralTable
+from tests.support.trust.tables import small_scan
 
 ROOT = Path(__file__).resolve().parents[2]
 BASE = BakeParameters(sigma_s_m=0.5e-6, detail=0.5)

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What long operators share: a thread with progress and Esc from the panel, a blocking call from scripts."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import bpy
+
+from ...precompute.errors import Cancelled, DiffractionError
+from . import progress
+from .job import Job
+
+
+def has_scan(cls: type, context: bpy.types.Context) -> bool:
+    """Whether the scene has a scan; says on the button why not."""
+    if not context.scene.diffraction.scan_path:
+        cls.poll_message_set("Import a scan or use a preset first")
+        return False
+    return True
+
+
+class Threaded:
+    """Mixin of operators whose work is a list of jobs.
+
+    An operator gives `title`, `jobs` and `finished`; panels and status bar show the progress.
+    """
+
+    title = "Working"
+
+    _jobs: list[Job]
+    _results: list[Any]
+    _timer = None
+
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
+        """What is to be done, one after the other; may raise DiffractionError."""
+        raise NotImplementedError
+
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
+        """Write the results into the scene and return what to tell."""
+        raise NotImplementedError
+
+    def execute(self, context):
+        """Blocking, for scripts."""
+        manager = context.window_manager
+        manager.progress_begin(0.0, 1.0)
+        self._jobs, self._results = [], []
+        try:
+            self._jobs = self.jobs(context)
+            for job in self._jobs:
+                job.watch = manager.progress_update
+                self._results.append(job.run())
+            return self._tell(self.finished(context, self._results))
+        except (DiffractionError, MemoryError) as error:
+            return self._fail(error)
+        finally:
+            manager.progress_end()
+            self._close()
+
+    def invoke(self, context, event):
+        """In a thread, with progress in panel and status bar."""
+        self.prepare(context)
+        try:
+            self._jobs, self._results = self.jobs(context), []
+        except (DiffractionError, MemoryError) as error:
+            return self._fail(error)
+        self._jobs[0].start()
+        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
+        context.window_manager.modal_handler_add(self)
+        self._show(context)
+        return {"RUNNING_MODAL"}
+
+    def prepare(self, context) -> None:
+        """Called before a run from the panel; takes what the panel holds."""
+
+    def modal(self, context, event):
+        job = self._jobs[len(self._results)]
+        if event.type == "ESC" and event.value == "PRESS":
+            job.cancel()
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        if job.running:
+            job.serve()
+            self._show(context)
+            return {"RUNNING_MODAL"}
+        try:
+            self._results.append(job.result())
+            if len(self._results) < len(self._jobs):
+                self._jobs[len(self._results)].start()
+                return {"RUNNING_MODAL"}
+            self._clear(context)
+            return self._tell(self.finished(context, self._results))
+        except Cancelled:
+            self._clear(context)
+            self.report({"WARNING"}, f"{self.title} was stopped; nothing was written")
+            return {"CANCELLED"}
+        except (DiffractionError, MemoryError) as error:
+            self._clear(context)
+            return self._fail(error)
+
+    def cancel(self, context):
+        """Blender closes, or a file is loaded."""
+        for job in self._jobs:
+            job.cancel()
+        self._clear(context)
+
+    def _tell(self, text: str):
+        if text:
+            self.report({"INFO"}, text)
+        return {"FINISHED"}
+
+    def _fail(self, error):
+        text = str(error) or "There is not enough memory for this; take a smaller scan or a smaller table."
+        self.report({"ERROR"}, text)
+        return {"CANCELLED"}
+
+    def _show(self, context):
+        done, count = len(self._results), len(self._jobs)
+        job = self._jobs[done]
+        text = f"{self.title}: {job.stage}" + (f" ({done + 1} of {count})" if count > 1 else "")
+        progress.show(text, (done + job.fraction) / count)
+        if context.workspace is not None:
+            context.workspace.status_text_set(_status)
+        redraw(context)
+
+    def _close(self):
+        for job in self._jobs:
+            job.close()
+
+    def _clear(self, context):
+        self._close()
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        progress.clear()
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        redraw(context)
+
+
+def _status(header, context) -> None:
+    """The status bar while a job runs."""
+    now = progress.running()
+    header.layout.label(text="Stop", icon="EVENT_ESC")
+    if now is not None:
+        bar = header.layout.row()
+        bar.ui_units_x = 14.0  # else the text is cut off
+        bar.progress(factor=now.fraction, text=now.text)
+
+
+def redraw(context) -> None:
+    """Let all panels and image editors show what changed."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in {"VIEW_3D", "IMAGE_EDITOR", "PROPERTIES"}:
+                area.tag_redraw()
+
+
+def busy(cls: type) -> bool:
+    """Whether another job runs; says so on the button."""
+    if progress.running() is not None:
+        cls.poll_message_set("A bake or another computation is running; Esc stops it")
+        return True
+    return False

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Follows a .blend as it is saved, opened, appended, linked, undone: see `travel` and `refresh`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+from bpy.app.handlers import persistent
+
+from .. import paths
+from . import refresh, travel
+
+
+@persistent
+def _before_save(*arguments) -> None:
+    """The file gets the names that will be right in its new folder."""
+    target = next((a for a in arguments if isinstance(a, str) and a), bpy.data.filepath)
+    if not target:
+        return
+    folder = Path(bpy.path.abspath(target)).parent
+    for material in bpy.data.materials:
+        if travel.TABLE in material:
+            travel.sync(material, folder)
+    for scene in bpy.data.scenes:
+        state = scene.diffraction
+        for name in ("scan_path", "table_path", "illuminant_file"):
+            place = getattr(state, name)
+            if place and scene.is_editable:
+                _places[scene.name, name] = paths.absolute(place)
+                seen = _from(paths.absolute(place), folder, place)
+                if seen != place:
+                    setattr(state, name, seen)
+
+
+#: Absolute paths of the scenes' scans and tables while a file is being saved.
+_places: dict[tuple[str, str], Path] = {}
+
+
+def _from(path: Path, folder: Path, before: str) -> str:
+    """Relative where it was before, or where the file lies in or beside the folder."""
+    if not before.startswith("//") and not path.is_relative_to(folder):
+        return before
+    try:
+        return bpy.path.relpath(str(path), start=str(folder)).replace("\\", "/")
+    except ValueError:
+        return str(path)
+
+
+@persistent
+def _after_save(*_) -> None:
+    """Back to what is right here and now (a copy may have been saved elsewhere)."""
+    travel.sync_all()
+    folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
+    for (scene_name, name), path in _places.items():
+        scene = bpy.data.scenes.get(scene_name)
+        if scene is not None:
+            state = scene.diffraction
+            place = _from(path, folder, getattr(state, name)) if folder is not None else str(path)
+            if getattr(state, name) != place:
+                setattr(state, name, place)
+    _places.clear()
+
+
+@persistent
+def _loaded(*_) -> None:
+    travel.sync_all()
+    for problem in refresh.bring_up_to_date(bpy.context.scene):
+        print(f"Diffraction: {problem}; the panel Diffraction > Material > Files bakes it again.")
+
+
+@persistent
+def _imported(*_) -> None:
+    """After append, link and paste."""
+    travel.sync_all()
+
+
+_HANDLERS = (
+    ("save_pre", _before_save),
+    ("save_post", _after_save),
+    ("save_post_fail", _after_save),
+    ("load_post", _loaded),
+    ("blend_import_post", _imported),
+    ("undo_post", _imported),
+    ("redo_post", _imported),
+)
+
+
+def register() -> None:
+    """Begin to follow."""
+    for name, handler in _HANDLERS:
+        where = getattr(bpy.app.handlers, name, None)
+        if where is not None and handler not in where:
+            where.append(handler)
+
+
+def unregister() -> None:
+    """Stop."""
+    for name, handler in _HANDLERS:
+        where = getattr(bpy.app.handlers, name, None)
+        if where is not None and handler in where:
+            where.remove(handler)

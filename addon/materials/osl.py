@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The OSL source of a material: the files of ``shaders/`` behind the numbers of one table."""
+
+from __future__ import annotations
+
+from ...precompute.table import importance
+from ...precompute.table.layout import TableLayout
+from ..shader_files import SHADERS
+from ..versions import texture_t_is_down
+
+#: In the order in which they use each other.
+PARTS = ("table.osl", "brdf.osl", "lamps.osl", "importance.osl", "diffraction.osl")
+
+#: Lamps a material can follow; each has five sockets, see ``shaders/diffraction.osl``.
+LAMPS_MAX = 16
+
+#: Values of the socket ``Fresnel``.
+FRESNEL = {"NONE": 0, "DIELECTRIC": 1, "CONDUCTOR": 2}
+
+#: Values of the sockets ``LampNKind``.
+LAMP_KINDS = {"NONE": 0, "SUN": 1, "BALL": 2, "RECTANGLE": 3, "ELLIPSE": 4}
+
+
+def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> str:
+    """The complete source text for a table.
+
+    The table's numbers come as constants, not as sockets, so that the compiler folds them and an
+    albedo that never passes 1 costs no lookup.
+
+    Parameters
+    ----------
+    layout
+        Coordinates and atlas geometry of the table.
+    albedo_max
+        Largest directional albedo of the raw model.
+    albedo_free
+        Cosine above which no albedo passes 1 (`importance.albedo_free_cosine`); 2 looks up every one.
+    """
+    numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
+    numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
+    numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
+    numbers["LAMPS_MAX"] = LAMPS_MAX
+    numbers["TABLE_ALBEDO_FREE"] = float(albedo_free)
+    numbers["TABLE_IS_LINEAR_IN_W"] = int(layout.power == 1.0)
+    for name in ("N_VIEWS", "VIEW_END", "AZIMUTHS_STEP", "AZIMUTHS_MAX", "N_R", "N_PHI", "WIDTH", "HEIGHT"):
+        numbers[f"IMPORTANCE_{name}"] = float(getattr(importance, name))
+    numbers.update({f"FRESNEL_{name}": value for name, value in FRESNEL.items()})
+    numbers.update({f"LAMP_{name}": value for name, value in LAMP_KINDS.items()})
+    defines = "".join(f"#define {name} {value!r}\n" for name, value in sorted(numbers.items()))
+    return defines + "\n" + "\n".join((SHADERS / part).read_text(encoding="utf-8") for part in PARTS)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What keeps materials whole when their .blend travels: Save As, append, link, copy, pack, another folder.
+
+OSL reads its images by a name in a socket, and Blender's path tools know nothing of sockets. They do know images.
+So a material points to the images of its table; whatever Blender does to those, the sockets follow. Packed images
+whose files are gone are written to a folder of the extension's own, because OSL cannot read a packed file.
+
+Sockets of linked materials follow too, in memory: Blender saves nothing of linked data, so a file that links an OSL
+material renders right only where the add-on is there. Materials of the kind Nodes have no such limit.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from pathlib import Path
+
+import bpy
+
+from ...precompute.errors import DiffractionError
+from ...precompute.files.atomic import atomic_path
+from .. import paths
+from ..tables import recipe
+
+#: Custom properties of materials that point to the images of their table, and the hash of the table they render.
+ATLAS, IMPORTANCE, SHA256 = "diffraction_atlas", "diffraction_importance", "diffraction_sha256"
+
+#: Custom property of materials: path of the table.
+TABLE = "diffraction_table"
+
+SOCKETS = ((ATLAS, "Atlas"), (IMPORTANCE, "Importance"))
+
+
+def attach(
+    material: bpy.types.Material, atlas: bpy.types.Image, importance: bpy.types.Image | None, sha256: str
+) -> None:
+    """Let a material point to its images, and know how its table was made."""
+    material[ATLAS] = atlas
+    if importance is not None:
+        material[IMPORTANCE] = importance
+    elif IMPORTANCE in material:
+        del material[IMPORTANCE]
+    material[SHA256] = sha256
+    path = paths.absolute(atlas.filepath)
+    for scene in bpy.data.scenes:
+        state = getattr(scene, "diffraction", None)
+        if state is not None and state.table_recipe and paths.absolute(state.table_path) == path:
+            material[recipe.KEY] = state.table_recipe
+
+
+def note_recipe(path: Path, made: str) -> None:
+    """Materials of a table remember how it was made."""
+    for material in bpy.data.materials:
+        if material.is_editable and TABLE in material and home(material) == path:
+            material[recipe.KEY] = made
+
+
+def home(material: bpy.types.Material) -> Path:
+    """Where a material's table belongs, whether it is there or not."""
+    atlas = material.get(ATLAS)
+    if isinstance(atlas, bpy.types.Image):
+        return paths.absolute(atlas.filepath, atlas.library)
+    return paths.absolute(material[TABLE], material.library)
+
+
+def is_packed(material: bpy.types.Material) -> bool:
+    """Whether the .blend holds the material's table."""
+    atlas = material.get(ATLAS)
+    return isinstance(atlas, bpy.types.Image) and atlas.packed_file is not None
+
+
+def sync(material: bpy.types.Material, folder: Path | None = None) -> bool:
+    """Write the images' places into the sockets; True if anything changed.
+
+    Parameters
+    ----------
+    material
+        One of ours.
+    folder
+        Write paths as seen from here (the .blend is about to be saved there); None takes what can be read now.
+    """
+    linked = material.library is not None
+    if material.node_tree is None or (linked and folder is not None):
+        return False
+    node = material.node_tree.nodes.get("Diffraction")
+    changed = False
+    for key, name in SOCKETS:
+        image = material.get(key)
+        if not isinstance(image, bpy.types.Image):
+            continue
+        place = _readable(image) if folder is None else seen_from(image, folder)
+        if linked:  # Cycles takes a relative name in a socket for one beside the open file
+            place = str(paths.absolute(place, image.library))
+        socket = node.inputs.get(name) if node is not None else None
+        if socket is not None and socket.type == "STRING" and socket.default_value != place:
+            socket.default_value = place
+            changed = True
+        if key == ATLAS and not linked and material[TABLE] != place:
+            material[TABLE] = place
+            changed = True
+    return changed
+
+
+def sync_all() -> None:
+    """All materials of the file."""
+    for material in bpy.data.materials:
+        if TABLE in material:
+            sync(material)
+
+
+def _readable(image: bpy.types.Image) -> str:
+    """A path that OSL can read now: the image's own, or that of an unpacked copy."""
+    if image.packed_file is None or paths.absolute(image.filepath, image.library).is_file():
+        return image.filepath
+    try:
+        return str(_unpack(image))
+    except DiffractionError:
+        return image.filepath
+
+
+def _unpack(image: bpy.types.Image) -> Path:
+    """A packed image as a file, with the sidecar that its header carries."""
+    from ...precompute.files.exr import read_text
+
+    content = image.packed_file.data
+    target = unpacked_place(image)
+    if not target.is_file() or hashlib.sha256(target.read_bytes()).digest() != hashlib.sha256(content).digest():
+        with atomic_path(target) as temporary:
+            temporary.write_bytes(content)
+    text = read_text(target)
+    sidecar = target.with_suffix(".json")
+    if text and not target.stem.endswith(".importance"):
+        with atomic_path(sidecar) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+    return target
+
+
+def unpacked_place(image: bpy.types.Image) -> Path:
+    """Where a packed image is written: a table and its image of directions side by side, under their own names."""
+    place = Path(image.filepath.replace("//", "").replace("\\", "/"))
+    folder = hashlib.sha256(f"{bpy.data.filepath}|{place.parent}".encode()).hexdigest()[:16]
+    return paths.unpack_folder() / folder / place.name
+
+
+def seen_from(image: bpy.types.Image, folder: Path) -> str:
+    path = image.filepath
+    if not path.startswith("//"):
+        return path
+    try:
+        return bpy.path.relpath(str(paths.absolute(path)), start=str(folder)).replace("\\", "/")
+    except ValueError:  # another drive
+        return str(paths.absolute(path))

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The uniform blocks of ``sources``, as rows of four numbers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ....precompute.table.layout import TableLayout
+from ...materials.osl import FRESNEL, LAMPS_MAX
+
+#: Side of the cube that holds the view transform; its axes are even in log(1 + gain x) up to the value white, both at
+#: an exposure of 0.
+DISPLAY_SIDE = 64
+DISPLAY_GAIN = 32.0
+DISPLAY_WHITE = 32.0
+
+#: Pixels by which EEVEE's depth may have been sampled elsewhere.
+DEPTH_SLACK = 2.0
+
+
+@dataclass
+class Frame:
+    """What all surfaces of a drawing share.
+
+    Parameters
+    ----------
+    view, projection
+        ``(4, 4)``, as mathematicians write them (rows first).
+    lamps
+        ``(n, 6, 4)`` rows of the lamps, see `lamp_rows`.
+    points
+        Points that stand for a wide lamp.
+    display
+        Whether colours go through the view transform.
+    exposure
+        Of the view transform, in stops.
+    ambient
+        ``(3,)`` radiance of the world, for the pigment.
+    """
+
+    view: np.ndarray
+    projection: np.ndarray
+    lamps: np.ndarray
+    points: int = 4
+    display: bool = False
+    exposure: float = 0.0
+    ambient: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def rows(self) -> np.ndarray:
+        """``(12 + 6 LAMPS_MAX, 4)``."""
+        rows = np.zeros((12 + 6 * LAMPS_MAX, 4), np.float32)
+        view, projection = np.asarray(self.view, float), np.asarray(self.projection, float)
+        rows[0:4], rows[4:8] = view.T, projection.T
+        to_world = np.linalg.inv(view)
+        perspective = projection[3, 3] == 0.0
+        if perspective:
+            rows[8] = *to_world[:3, 3], 1.0
+        else:
+            rows[8] = *(to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])), 0.0
+        rows[9] = len(self.lamps), self.points, float(self.display), DEPTH_SLACK
+        side = DISPLAY_SIDE
+        gain = DISPLAY_GAIN * 2.0**self.exposure
+        rows[10] = gain, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side
+        rows[11, :3] = self.ambient
+        if len(self.lamps):
+            rows[12 : 12 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
+        return rows
+
+
+@dataclass
+class Surface:
+    """What decides the look of a material.
+
+    Parameters
+    ----------
+    to_rgb
+        ``(3, 3)`` matrix from XYZ to the working space.
+    fresnel
+        A key of ``osl.FRESNEL``.
+    ior, conductor_n, conductor_k
+        Refractive indices.
+    conserve_energy
+        Divide f by the albedo where that passes 1.
+    rotation
+        Radians.
+    angle_image
+        Whether an image adds to the rotation.
+    environment
+        Whether light of a plain world is diffracted.
+    brightness
+        Factor on the diffracted light.
+    pigment
+        Albedo of the surface underneath; None adds the diffraction to what is already drawn.
+    """
+
+    to_rgb: np.ndarray
+    fresnel: str = "DIELECTRIC"
+    ior: float = 1.5
+    conductor_n: tuple[float, float, float] = (1.35, 0.95, 0.61)
+    conductor_k: tuple[float, float, float] = (7.47, 6.54, 5.47)
+    conserve_energy: bool = True
+    rotation: float = 0.0
+    angle_image: bool = False
+    environment: bool = True
+    brightness: float = 1.0
+    pigment: tuple[float, float, float] | None = None
+    layout: TableLayout = field(kw_only=True)
+
+    def rows(self) -> np.ndarray:
+        """``(12, 4)``."""
+        layout = self.layout
+        rows = np.zeros((12, 4), np.float32)
+        rows[0] = layout.a_r, 1.0 / layout.r0, layout.n_r - 1, layout.n_phi
+        rows[1] = layout.a_w, 1.0 / layout.w0, layout.s_w, layout.n_w - 1
+        rows[2] = layout.scale, layout.power, layout.n_theta - 1, layout.n_albedo_phi
+        rows[3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 1.0 / layout.n_theta, 1.0 / (layout.n_albedo_phi + 2)
+        rows[4:7, :3] = self.to_rgb
+        rows[7] = FRESNEL[self.fresnel], self.ior, float(self.conserve_energy), self.brightness
+        rows[8, :3], rows[9, :3] = self.conductor_n, self.conductor_k
+        rows[8, 3] = float(self.environment)
+        rows[10] = np.cos(self.rotation), np.sin(self.rotation), float(self.angle_image), self.rotation
+        if self.pigment is not None:
+            rows[11] = *self.pigment, 1.0
+        return rows
+
+
+def uniform(rows: np.ndarray):
+    """A uniform buffer with these rows."""
+    import gpu
+
+    return gpu.types.GPUUniformBuf(buffer(rows))
+
+
+def buffer(values: np.ndarray):
+    """Numbers as the gpu module takes them."""
+    import gpu
+
+    flat = np.ascontiguousarray(values, np.float32).ravel()
+    return gpu.types.Buffer("FLOAT", flat.size, flat)

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""GPU shaders from the files of ``shaders/``: what goes in, what comes out."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from ...materials.osl import FRESNEL, LAMP_KINDS, LAMPS_MAX
+from ...shader_files import SHADERS
+
+#: Uniform blocks, vec4 and mat4 only, so that every back end lays them out alike. Filled in `blocks`.
+_TYPES = """
+struct DiffractionLamp { vec4 place; vec4 half_u; vec4 half_v; vec4 normal; vec4 colour; vec4 extra; };
+struct DiffractionFrame {
+  mat4 view; mat4 projection; vec4 viewer; vec4 counts; vec4 display; vec4 ambient; DiffractionLamp lamps[LAMPS_MAX];
+};
+struct DiffractionSurface {
+  vec4 radial; vec4 slices; vec4 value; vec4 texel; vec4 to_red; vec4 to_green; vec4 to_blue; vec4 fresnel;
+  vec4 conductor_n; vec4 conductor_k; vec4 rotation; vec4 pigment;
+};
+struct DiffractionSeries { vec4 bins; vec4 window; vec4 loops; vec4 spectrum[WAVELENGTHS_MAX]; };
+"""
+
+#: Wavelengths of the reference method: 380-780 nm in steps of 5 nm are 81.
+WAVELENGTHS_MAX = 96
+
+METHODS = ("TABLE", "FLSS")
+
+
+def _text(*names: str) -> str:
+    return "\n".join((SHADERS / name).read_text(encoding="utf-8") for name in names)
+
+
+def _begin(method: str):
+    import gpu
+
+    info = gpu.types.GPUShaderCreateInfo()
+    info.define("LAMPS_MAX", str(LAMPS_MAX))
+    info.define("WAVELENGTHS_MAX", str(WAVELENGTHS_MAX))
+    for prefix, values in (("FRESNEL", FRESNEL), ("LAMP", LAMP_KINDS)):
+        for name, value in values.items():
+            info.define(f"{prefix}_{name}", f"{value}.0")
+    info.define(f"METHOD_{method}", "1")
+    info.typedef_source(_TYPES)
+    info.uniform_buf(0, "DiffractionFrame", "df_frame")
+    info.uniform_buf(1, "DiffractionSurface", "df_surface")
+    info.sampler(0, "FLOAT_2D_ARRAY", "df_table")
+    info.sampler(1, "FLOAT_2D", "df_albedo")
+    if method == "FLSS":
+        info.uniform_buf(2, "DiffractionSeries", "df_series")
+        info.sampler(3, "FLOAT_2D_ARRAY", "df_terms")
+    info.fragment_out(0, "VEC4", "out_colour")
+    return info
+
+
+_BRDF = {"TABLE": ("table.glsl", "brdf.glsl"), "FLSS": ("table.glsl", "flss.glsl", "brdf.glsl")}
+
+
+@cache
+def surface(method: str, loose_depth: bool = False):
+    """The shader that draws meshes, by one of `METHODS`.
+
+    Parameters
+    ----------
+    loose_depth
+        For a depth buffer whose points lie elsewhere in their pixels.
+    """
+    import gpu
+
+    info = _begin(method)
+    if loose_depth:
+        info.define("LOOSE_DEPTH", "1")
+        info.depth_write("ANY")
+    info.sampler(2, "FLOAT_3D", "df_display")
+    info.sampler(4, "FLOAT_2D", "df_angle")
+    info.push_constant("MAT4", "df_model")
+    for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
+        info.vertex_in(slot, kind, name)
+    between = gpu.types.GPUStageInterfaceInfo("diffraction_surface")
+    between.smooth("VEC3", "world_place")
+    between.smooth("VEC3", "world_normal")
+    between.smooth("VEC4", "world_tangent")
+    between.smooth("VEC2", "world_uv")
+    info.vertex_out(between)
+    info.vertex_source(_text("surface_vertex.glsl"))
+    info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "display.glsl", "surface_fragment.glsl"))
+    return gpu.shader.create_from_info(info)
+
+
+@cache
+def map_of_directions(method: str):
+    """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer."""
+    import gpu
+
+    info = _begin(method)
+    info.push_constant("VEC4", "df_light")
+    info.push_constant("FLOAT", "df_reach")
+    info.vertex_in(0, "VEC2", "pos")
+    between = gpu.types.GPUStageInterfaceInfo("diffraction_map")
+    between.smooth("VEC2", "place")
+    info.vertex_out(between)
+    info.vertex_source(_text("map_vertex.glsl"))
+    info.fragment_source(_text(*_BRDF[method], "map_fragment.glsl"))
+    return gpu.shader.create_from_info(info)
+
+
+def free() -> None:
+    """Let go of the compiled shaders."""
+    surface.cache_clear()
+    map_of_directions.cache_clear()

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Spectral tables in the memory of the GPU."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....precompute.errors import SizeLimitError
+from ....precompute.table.layout import TableLayout
+from ....precompute.table.table import SpectralTable
+from ...versions import smooth_lookups
+from .blocks import buffer
+
+
+@dataclass(eq=False)
+class TableTextures:
+    """A table's slices as the layers of an array texture, its albedo as another texture.
+
+    An array, not a 3-D texture: those end at 2048 texels a side on most GPUs, which the angles of a
+    `single` table pass.
+    """
+
+    layout: TableLayout
+    info: dict[str, Any]
+    slices: Any
+    albedo: Any
+
+
+def upload(table: SpectralTable) -> TableTextures:
+    """Copy a table to the GPU.
+
+    Raises
+    ------
+    SizeLimitError
+        If this GPU has no texture that large.
+    """
+    import gpu
+
+    layout = table.layout
+    side, layers = gpu.capabilities.max_texture_size_get(), gpu.capabilities.max_texture_layers_get()
+    if max(layout.n_r, layout.tile_height) > side or layout.n_w > layers:
+        raise SizeLimitError(
+            f"The table of {layout.n_r} x {layout.n_phi} x {layout.n_w} texels is too large for this GPU, which takes"
+            f" {side} x {side} x {layers}; bake it with a smaller sigma_s or a lower detail."
+        )
+    stack = np.ones((layout.n_w, layout.tile_height, layout.n_r, 4), np.float32)
+    for index in range(layout.n_w):
+        x, y = layout.tile_origin(index)
+        stack[index, :, :, :3] = table.atlas[y : y + layout.tile_height, x : x + layout.n_r]
+    albedo = table.atlas[layout.albedo_y :, : layout.n_theta, 0]
+    try:
+        slices = gpu.types.GPUTexture(
+            (layout.n_r, layout.tile_height), layers=layout.n_w, format="RGBA16F", data=buffer(stack)
+        )
+        albedos = gpu.types.GPUTexture((layout.n_theta, layout.n_albedo_phi + 2), format="R32F", data=buffer(albedo))
+    except (RuntimeError, MemoryError) as error:
+        raise SizeLimitError(
+            f"The GPU has no memory for the table ({stack.nbytes / 2e6:.0f} MB); bake it with a lower detail."
+        ) from error
+    for texture in (slices, albedos):
+        smooth_lookups(texture)
+    return TableTextures(layout, table.info, slices, albedos)
+
+
+class Tables:
+    """Textures by the path of their table; read again when the file changes, dropped when no longer asked for."""
+
+    def __init__(self) -> None:
+        self._held: dict[Path, tuple[tuple, TableTextures]] = {}
+
+    def __len__(self) -> int:
+        return len(self._held)
+
+    def get(self, path: Path) -> TableTextures:
+        """Textures of the table at a path.
+
+        Raises
+        ------
+        TableError, SizeLimitError
+            If the table cannot be read or does not fit.
+        """
+        stamp = file_stamp(path)
+        held = self._held.get(path)
+        if held is None or held[0] != stamp:
+            self._held.pop(path, None)
+            held = self._held[path] = (stamp, upload(SpectralTable.load(path)))
+        return held[1]
+
+    def keep(self, paths: set[Path]) -> None:
+        """Drop all but these."""
+        for path in self._held.keys() - paths:
+            del self._held[path]
+
+    def clear(self) -> None:
+        """Drop all."""
+        self._held.clear()
+
+
+def file_stamp(path: Path) -> tuple:
+    """What changes when a table is baked again; empty where a file is missing."""
+    try:
+        stats = [os.stat(path.with_suffix(suffix)) for suffix in (".exr", ".json")]
+    except OSError:
+        return ()
+    return tuple((s.st_mtime_ns, s.st_size, s.st_ino) for s in stats)

@@ -1,0 +1,359 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake: from a patch of surface to its spectral table."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..constants import KAPPA_MAX
+from ..errors import ScanError, SizeLimitError
+from ..files.atomic import remove_stale
+from ..light.colour import spectral_weights, white_xyz
+from ..light.illuminant import Illuminant, to_json
+from ..parameters import BakeParameters
+from ..readers import read_scan
+from ..scan.heightfield import HeightField
+from ..scan.preparation import prepare
+from ..table.albedo import albedo_map
+from ..table.cache import TableCache, origin, table_key
+from ..table.layout import TableLayout
+from ..table.table import SpectralTable
+from .balance import balance
+from .budget import check_bake, check_scan
+from .intensity import PolarIntensity, workers
+from .plan import plan_layout
+from .series import chebyshev_nodes, check_single_precision, node_count
+from .spectral_sum import SpectralSum
+from .window import default_sigma_s
+
+#: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
+Progress = Callable[[str, float], None]
+
+#: Does what `PolarIntensity.coefficients` does on another device: gets it, the kappas and a progress (a fraction).
+Transforms = Callable[[PolarIntensity, np.ndarray, Callable[[float], None]], np.ndarray]
+
+#: Angles that go from the transforms to the spectral sum at a time; bounds the memory in between.
+ANGLES_A_BLOCK = 96
+
+#: Texels are scaled to this largest value, well inside half floats (65504).
+_LARGEST_TEXEL = 30000.0
+
+
+@dataclass
+class BakeReport:
+    """What a bake made and what it cost.
+
+    Parameters
+    ----------
+    path
+        The table's EXR.
+    table
+        The table itself.
+    seconds
+        Wall time a stage, and ``total``.
+    cache
+        ``none``, ``hit`` (nothing was computed), ``stored`` or ``not stored`` (no room or no permission).
+    """
+
+    path: Path
+    table: SpectralTable
+    seconds: dict[str, float] = field(default_factory=dict)
+    cache: str = "none"
+
+
+class _Stages:
+    """Times the stages of a bake and reports progress."""
+
+    def __init__(self, progress: Progress | None) -> None:
+        self.seconds: dict[str, float] = {}
+        self._progress = progress
+        self._start = self._last = time.perf_counter()
+
+    def done(self, name: str) -> None:
+        now = time.perf_counter()
+        self.seconds[name] = self.seconds.get(name, 0.0) + now - self._last
+        self._last = now
+        self.seconds["total"] = now - self._start
+
+    def report(self, stage: str, fraction: float) -> None:
+        if self._progress is not None:
+            self._progress(stage, fraction)
+
+
+def resolve_sigma_s(patch: HeightField, parameters: BakeParameters) -> float:
+    """The coherence window in force (metres): the given one, else the ensemble's default."""
+    if parameters.sigma_s_m is None or parameters.ensemble == "periodic":
+        return default_sigma_s(patch, parameters.ensemble)
+    return parameters.sigma_s_m
+
+
+def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
+    """The layout (and so the size) that a bake of a prepared patch will have, checked against the limit.
+
+    Raises
+    ------
+    SizeLimitError
+        If the table would be larger than ``parameters.limit_bytes``.
+    """
+    half_range = 0.5 * float(np.ptp(patch.heights))
+    layout = plan_layout(resolve_sigma_s(patch, parameters), parameters.ensemble, half_range, parameters.detail)
+    if layout.texel_bytes > parameters.limit_bytes:
+        raise SizeLimitError(
+            f"The table would need {layout.texel_bytes / 1e6:.0f} MB of texels ({layout.n_r} radii x {layout.n_phi}"
+            f" angles x {layout.n_w} slices), more than the limit of {parameters.limit_bytes / 1e6:.0f} MB; choose a"
+            " smaller sigma_s, the ensemble 'average' or a lower detail, or raise the limit."
+        )
+    return layout
+
+
+def bake(
+    scan: HeightField,
+    parameters: BakeParameters,
+    progress: Progress | None = None,
+    memory_bytes: int | None = None,
+    transforms: Transforms | None = None,
+) -> SpectralTable:
+    """Bake the spectral table of a scan.
+
+    Parameters
+    ----------
+    scan
+        As read; it is prepared here as ``parameters`` ask.
+    parameters
+        What decides the table.
+    progress
+        Called with a stage's name and a fraction; an exception it raises (``Cancelled``) ends the bake.
+    memory_bytes
+        Most memory that the bake may take; None asks the system what is free.
+    transforms
+        Computes the transforms on another device; None computes them here. Only the series ``nodes`` uses it.
+
+    Raises
+    ------
+    SizeLimitError, ParameterError, ScanError
+        Before any long computation or large allocation.
+    """
+    return _bake(scan, parameters, _Stages(progress), memory_bytes, transforms)
+
+
+def bake_file(
+    path: str | Path,
+    out_dir: str | Path,
+    parameters: BakeParameters,
+    progress: Progress | None = None,
+    name: str | None = None,
+    cache: TableCache | None = None,
+    memory_bytes: int | None = None,
+    transforms: Transforms | None = None,
+    **reading: Any,
+) -> BakeReport:
+    """Read a scan, bake it and write ``<out_dir>/<name>.exr`` and ``.json``.
+
+    Parameters
+    ----------
+    path
+        The scan.
+    out_dir
+        Folder of the table; made if missing.
+    parameters, progress, memory_bytes, transforms
+        See :func:`bake`.
+    name
+        Name of the table; the scan's by default.
+    cache
+        Where the table is looked up before and stored after the computation; the files are the same either way.
+    **reading
+        Passed to :func:`precompute.readers.read_scan` (``size_m``, ``height_m``, ``channel``).
+
+    Returns
+    -------
+    BakeReport
+        Path, table, seconds a stage and what the cache did.
+    """
+    from ..files.output_folder import ensure_folder
+
+    stages = _Stages(progress)
+    stages.report("read", 0.0)
+    scan = read_scan(path, **reading)
+    folder = ensure_folder(out_dir)
+    remove_stale(folder)
+    stages.done("read")
+    table, found = _cached_bake(scan, parameters, stages, cache, memory_bytes, transforms)
+    stages.report("write", 0.97)
+    target = folder / f"{name or Path(path).stem}.exr"
+    if parameters.series != "nodes":
+        from .terms import save_terms
+
+        # Before the table: whoever finds the table and its key finds its terms.
+        save_terms(prepare(scan, parameters), parameters, target, table.info["key"])
+    written = table.save(target)
+    stages.done("write")
+    stages.report("done", 1.0)
+    return BakeReport(written, table, stages.seconds, found)
+
+
+def _cached_bake(
+    scan: HeightField,
+    parameters: BakeParameters,
+    stages: _Stages,
+    cache: TableCache | None,
+    memory_bytes: int | None,
+    transforms: Transforms | None,
+) -> tuple[SpectralTable, str]:
+    """The table, and what the cache did."""
+    if cache is None:
+        return _bake(scan, parameters, stages, memory_bytes, transforms), "none"
+    key = table_key(scan, parameters)
+    table = cache.get(key)
+    stages.done("cache")
+    if table is not None:
+        table.info["source"].update(origin(scan))
+        table.info["colour"]["illuminant"] = to_json(parameters.illuminant)  # of another name, perhaps
+        return table, "hit"
+    table = _bake(scan, parameters, stages, memory_bytes, transforms)
+    stored = cache.put(key, table)
+    stages.done("cache")
+    return table, "stored" if stored else "not stored"
+
+
+def _bake(
+    scan: HeightField,
+    parameters: BakeParameters,
+    stages: _Stages,
+    memory_bytes: int | None = None,
+    transforms: Transforms | None = None,
+) -> SpectralTable:
+    stages.report("prepare", 0.01)
+    check_scan(scan, resolve_sigma_s(scan, parameters), parameters, memory_bytes)
+    patch = prepare(scan, parameters)
+    sigma_s = resolve_sigma_s(patch, parameters)
+    layout = estimate(patch, parameters)
+    check_bake(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK, memory_bytes)
+    x = KAPPA_MAX * 0.5 * float(np.ptp(patch.heights))
+    check_single_precision(parameters.series, x, parameters.tolerance)
+    stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.04)
+    stages.done("prepare")
+    # colour-science takes longer to import than a transform takes: it loads while the transforms run.
+    with ThreadPoolExecutor(1) as background:
+        colours = background.submit(_colours, parameters.illuminant)
+        polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance)
+        nodes = chebyshev_nodes(KAPPA_MAX, node_count(x, parameters.tolerance))
+        compute = PolarIntensity.coefficients if transforms is None or parameters.series != "nodes" else transforms
+        coefficients = compute(polar, nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
+        stages.done("transforms")
+        wavelengths, weights, white = colours.result()
+        stages.done("colour")
+
+    total = SpectralSum(
+        polar.frequencies,
+        nodes,
+        KAPPA_MAX,
+        layout.radii,
+        layout.slices,
+        wavelengths,
+        weights,
+        lambda done: stages.report("spectral sum", 0.55 + 0.04 * done),
+    )
+    transform = _integrate(polar, coefficients, total, layout, stages)
+    del coefficients
+    stages.done("spectral sum")
+    stages.report("balance", 0.85)
+    texels = balance(transform, layout, lambda done: stages.report("balance", 0.85 + 0.02 * done))
+    del transform
+    stages.done("balance")
+    stages.report("albedo", 0.88)
+    albedo = albedo_map(texels, layout, white, lambda done: stages.report("albedo", 0.88 + 0.04 * done))
+    stages.done("albedo")
+    stages.report("atlas", 0.92)
+    layout, atlas = assemble(texels, layout, albedo)
+    stages.done("atlas")
+    info = {
+        "key": table_key(scan, parameters),
+        "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
+        "source": {
+            **origin(scan),
+            "shape": list(patch.shape),
+            "size_m": list(patch.size_m),
+            "processing": [dict(step) for step in patch.processing],
+        },
+        "colour": {
+            "illuminant": to_json(parameters.illuminant),
+            "observer": "CIE 1931 2 degree",
+            "white_xyz": [float(x) for x in white],
+            "wavelengths_m": [float(wavelengths[0]), float(wavelengths[-1])],
+            "wavelength_step_m": float(wavelengths[1] - wavelengths[0]),
+        },
+        "terms": polar.series.terms or len(nodes),
+        "albedo_max": float(albedo.max()),
+    }
+    return SpectralTable(layout, atlas, info)
+
+
+def _integrate(
+    polar: PolarIntensity, coefficients: np.ndarray, total: SpectralSum, layout: TableLayout, stages: _Stages
+) -> np.ndarray:
+    """``(n_r, n_w, 3, n_phi)`` T in XYZ, block by block of angles."""
+    from threadpoolctl import threadpool_limits
+
+    transform = np.empty((layout.n_r, layout.n_w, 3, layout.n_phi), np.float32)
+    blocks = [slice(start, start + ANGLES_A_BLOCK) for start in range(0, layout.n_phi, ANGLES_A_BLOCK)]
+
+    def integrate(block: slice) -> None:
+        transform[..., block] = total.apply(polar.polar(coefficients, layout.angles[block]))
+
+    # One thread a block and one BLAS thread in each: these products are too small to be split further.
+    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(workers()) as pool:
+        for done, _ in enumerate(pool.map(integrate, blocks), 1):
+            stages.report("spectral sum", 0.59 + 0.25 * done / len(blocks))
+    return transform
+
+
+def _colours(illuminant: Illuminant) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    return (*spectral_weights(illuminant=illuminant), white_xyz(illuminant))
+
+
+def assemble(texels: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tuple[TableLayout, np.ndarray]:
+    """Put the table's nodes into the atlas as half floats.
+
+    Parameters
+    ----------
+    texels
+        ``(n_r, n_w, 3, n_phi)``, ``T / |w|^power`` in XYZ.
+    layout
+        Its scale is replaced.
+    albedo
+        ``(n_albedo_phi, n_theta)``.
+
+    Returns
+    -------
+    layout : TableLayout
+        With the scale in force.
+    atlas : ndarray
+        ``(height, width, 3)`` float16, row 0 at the bottom.
+
+    Raises
+    ------
+    ScanError
+        If no light at all is diffracted into the table's domain.
+    """
+    peak = float(texels.max())
+    if not np.isfinite(peak) or peak <= 0.0:
+        raise ScanError("The patch diffracts no light into the visible range; check the scan's size and heights.")
+    layout = replace(layout, scale=peak / _LARGEST_TEXEL)
+    factor = np.float32(1.0 / layout.scale)
+    atlas = np.zeros((layout.height, layout.width, 3), np.float16)
+    for index in range(layout.n_w):
+        x, y = layout.tile_origin(index)
+        tile = atlas[y : y + layout.tile_height, x : x + layout.n_r]
+        tile[1:-1] = (texels[:, index] * factor).transpose(2, 0, 1)
+        tile[0], tile[-1] = tile[-2], tile[1]
+    tile = atlas[layout.albedo_y :, : layout.n_theta]
+    tile[1:-1] = albedo[:, :, None]
+    tile[0], tile[-1] = tile[-2], tile[1]
+    return layout, atlas

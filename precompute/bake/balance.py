@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes of the table moved so that linear interpolation errs evenly to both sides.
+
+A chord lies above a convex curve by ``h^2 f'' t (1 - t) / 2``, on average ``h^2 f'' / 12``. Taking that
+mean off the nodes (one twelfth of the second difference) lowers the rms error of the interpolant from
+0.091 to 0.037 h^2 f'', and makes its integral right to fourth order. It is the first step of a
+least-squares fit by linear splines (de Boor, *A Practical Guide to Splines*, chapter XIV).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ..table.layout import TableLayout
+
+
+def balance(transform: np.ndarray, layout: TableLayout, progress: Callable[[float], None] | None = None) -> np.ndarray:
+    """Nodes ``T / |w|^power`` of a table, balanced in angle, radius and slice.
+
+    Parameters
+    ----------
+    transform
+        ``(n_r, n_w, 3, n_phi)`` T on the layout's grid; overwritten.
+    layout
+        Gives slices and power.
+    progress
+        Called with the fraction done.
+    """
+    transform *= (layout.slices**-layout.power).astype(np.float32)[:, None, None]
+    for done, axis in enumerate((3, 0, 1), 1):
+        _shift(transform, _second_difference(transform, axis))
+        if progress is not None:
+            progress(done / 3.0)
+    return transform
+
+
+def _second_difference(values: np.ndarray, axis: int) -> np.ndarray:
+    second = np.empty_like(values)
+    at = [slice(None)] * values.ndim
+
+    def side(low: int | None, high: int | None) -> tuple[slice, ...]:
+        return (*at[:axis], slice(low, high), *at[axis + 1 :])
+
+    inner = second[side(1, -1)]
+    np.add(values[side(None, -2)], values[side(2, None)], out=inner)
+    inner -= 2.0 * values[side(1, -1)]
+    first, last = side(0, 1), side(-1, None)
+    if axis == 3:  # angles are periodic
+        second[first] = values[last] + values[side(1, 2)] - 2.0 * values[first]
+        second[last] = values[side(-2, -1)] + values[first] - 2.0 * values[last]
+    elif axis == 0:  # across r = 0 lies the opposite angle; the centre has one value for all angles
+        second[first] = 2.0 * (values[side(1, 2)].mean(-1, keepdims=True) - values[first])
+        second[last] = 0.0
+    else:
+        second[first] = second[last] = 0.0
+    return second
+
+
+def _shift(values: np.ndarray, second: np.ndarray) -> None:
+    """Take one twelfth of the second difference off, at most half of a value, so that none becomes negative."""
+    second *= np.float32(1.0 / 12.0)
+    np.minimum(second, 0.5 * values, out=second)
+    values -= second

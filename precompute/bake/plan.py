@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How fine a table must be for its scan: sizes follow the coherence lobe and the height range."""
+
+from __future__ import annotations
+
+import math
+
+from ..constants import KAPPA_MAX
+from ..table.layout import R_MAX, TableLayout, near_square_columns
+
+#: Wavelength that sets the width of the coherence lobe in (u, v).
+_REFERENCE_M = 500e-9
+
+#: Radial step near r = 0, in lobe widths.
+_STEP_NEAR_ZERO = 0.35
+
+#: Ratio of neighbouring radii far out, less 1: the colour matching functions smear over several times this.
+_STEP_FAR_OUT = 0.026
+
+#: Arc between neighbouring angles at r = 1, in lobe widths. One window gives fully developed
+#: speckle, the average hardly any, so ``single`` needs finer angles.
+_ARC = {"average": 0.85, "single": 0.45, "periodic": 0.45}
+
+#: Smallest |w| with a slice of its own: light and viewer both at 87 degrees.
+_W_MIN = 0.1
+
+
+def plan_layout(sigma_s_m: float, ensemble: str, half_range_m: float, detail: float = 1.0) -> TableLayout:
+    """Layout for a coherence window and a range of heights.
+
+    Parameters
+    ----------
+    sigma_s_m
+        Coherence window, metres.
+    ensemble
+        ``average``, ``single`` or ``periodic``.
+    half_range_m
+        Half of the range of heights, metres; deep reliefs change faster with w.
+    detail
+        Resolution relative to the default.
+    """
+    lobe = _REFERENCE_M / (2.0 * math.pi * math.sqrt(2.0) * sigma_s_m)
+    ratio = _STEP_FAR_OUT / detail
+    r0 = min(_STEP_NEAR_ZERO * lobe / _STEP_FAR_OUT, 1.0)
+    n_r = 1 + math.ceil(math.asinh(R_MAX / r0) / ratio)
+    n_phi = max(256, 32 * math.ceil(2.0 * math.pi * detail / (_ARC[ensemble] * lobe) / 32))
+    x = KAPPA_MAX * half_range_m
+    n_w = max(12, math.ceil(detail * (10.0 + x)))
+    return TableLayout(
+        n_r=n_r,
+        n_phi=n_phi,
+        n_w=n_w,
+        r0=r0,
+        w0=0.4,
+        w_min=_W_MIN,
+        power=1.0,
+        tile_columns=near_square_columns(n_r, n_phi, n_w),
+    )

@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From the transform T(u, v, w) to a BRDF: geometry, Fresnel reflectance, normalisations.
+
+Absolute BRDF, in 1/sr (Stam, *Diffraction Shaders*, 1999, with his F^2 read as the reflectance R):
+
+    f = R (1 + wi.wr)^2 / (cos_i cos_r w^2) T(u, v, w),     (u, v, w) = -(wi + wr)
+
+Relative BRDF of the thesis (Single 2014, eq. 3.9-3.15), which is 1 in the mirror direction of a flat
+patch at normal incidence:
+
+    rho = C <|P|^2>,     C = R / R0 (1 + wi.wr)^2 / (w^2 cos_r N^2)
+
+with N the sum of the coherence window's samples. Since T = <|P|^2> / (A lambda^2), the two differ by a factor.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+
+from ..bake.window import check_ensemble, check_sigma_s, taper_axis, window_axis
+from ..errors import ParameterError
+from .directions import uvw
+
+#: Refractive index of keratin, the stuff of scales and nails; the default of the Fresnel term.
+IOR_KERATIN = 1.55
+
+
+class Transform(Protocol):
+    """What has T(u, v, w) and the directional albedo, as `precompute.table.table.SpectralTable` has."""
+
+    def transform(self, u: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray: ...
+
+    def albedo(self, directions: np.ndarray) -> np.ndarray: ...
+
+
+def _lit(wi: np.ndarray, wr: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Both cosines, made harmless where a direction is not above the surface, and where both are."""
+    cos_i, cos_r = np.broadcast_arrays(wi[..., 2], wr[..., 2])
+    lit = (cos_i > 0) & (cos_r > 0)
+    return np.where(lit, cos_i, 1.0), np.where(lit, cos_r, 1.0), lit
+
+
+def geometry_factor(wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
+    """``(1 + wi.wr)^2 / (cos_i cos_r w^2)``, 0 where a direction is not above the surface.
+
+    Parameters
+    ----------
+    wi, wr
+        ``(..., 3)`` unit vectors towards the light and the viewer; they broadcast.
+
+    Returns
+    -------
+    ndarray
+        ``(...)`` without unit.
+    """
+    wi, wr = np.asarray(wi, float), np.asarray(wr, float)
+    cos_i, cos_r, lit = _lit(wi, wr)
+    dot = (wi * wr).sum(axis=-1)
+    return np.where(lit, (1.0 + dot) ** 2 / (cos_i * cos_r * (cos_i + cos_r) ** 2), 0.0)
+
+
+def cos_half(wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
+    """Cosine of the angle between either direction and their half vector; ``(...)`` for ``(..., 3)``."""
+    dot = (np.asarray(wi, float) * np.asarray(wr, float)).sum(axis=-1)
+    return np.sqrt(np.clip(0.5 * (1.0 + dot), 0.0, 1.0))
+
+
+def fresnel_r0(n1: float, n2: float) -> float:
+    """Reflectance of a flat boundary at normal incidence, ``((n1 - n2) / (n1 + n2))^2``."""
+    for index in (n1, n2):
+        if not (np.isfinite(index) and index > 0):
+            raise ParameterError(f"A refractive index of {index:g} makes no sense; use a positive number such as 1.55.")
+    return ((n1 - n2) / (n1 + n2)) ** 2
+
+
+def schlick(cosine: np.ndarray, r0: float) -> np.ndarray:
+    """Fresnel reflectance after Schlick (1994), ``R0 + (1 - R0) (1 - cos)^5``."""
+    return r0 + (1.0 - r0) * (1.0 - np.asarray(cosine, float)) ** 5
+
+
+def reflectance(wi: np.ndarray, wr: np.ndarray, fresnel: float | None) -> np.ndarray:
+    """R at the half angle for a boundary from air to the refractive index ``fresnel``; 1 for None."""
+    cosine = cos_half(wi, wr)
+    return np.ones_like(cosine) if fresnel is None else schlick(cosine, fresnel_r0(1.0, fresnel))
+
+
+def conservation(table: Transform, wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
+    """``1 / max(1, a(wi), a(wr))``, reciprocal, which keeps the directional albedo at or below 1."""
+    return 1.0 / np.maximum(1.0, np.maximum(table.albedo(np.asarray(wi)), table.albedo(np.asarray(wr))))
+
+
+def brdf(
+    table: Transform,
+    wi: np.ndarray,
+    wr: np.ndarray,
+    fresnel: float | None = None,
+    energy_conserving: bool = False,
+) -> np.ndarray:
+    """The absolute BRDF of a table.
+
+    Parameters
+    ----------
+    table
+        A `precompute.table.table.SpectralTable`.
+    wi, wr
+        ``(..., 3)`` unit vectors towards the light and the viewer; they broadcast.
+    fresnel
+        Refractive index of the material in air; None leaves Fresnel away (R = 1).
+    energy_conserving
+        Divide by ``max(1, a(wi), a(wr))``. The raw Kirchhoff model is the default here; renderers conserve.
+
+    Returns
+    -------
+    ndarray
+        ``(..., 3)`` XYZ in 1/sr; 0 where a direction is not above the surface.
+    """
+    wi, wr = np.broadcast_arrays(np.asarray(wi, float), np.asarray(wr, float))
+    factor = geometry_factor(wi, wr) * reflectance(wi, wr, fresnel)
+    if energy_conserving:
+        factor = factor * conservation(table, wi, wr)
+    lit = factor > 0
+    # Directions below the surface may have w = 0; look the normal up instead and drop it.
+    u, v, w = (np.where(lit, x, harmless) for x, harmless in zip(uvw(wi, wr), (0.0, 0.0, -2.0), strict=True))
+    return np.where(lit[..., None], factor[..., None] * table.transform(u, v, w), 0.0)
+
+
+def coherence_area(shape: tuple[int, int], dx: float, dy: float, sigma_s_m: float, ensemble: str) -> float:
+    """``lambda^2 T(0, 0, w)`` of a flat patch in square metres: the height of its specular peak.
+
+    ``single`` and ``periodic`` (g = 1): ``(integral g)^2 / integral g^2``. ``average``: the taper's autocorrelation,
+    weighted with the lag Gaussian. With a window it tends to ``4 pi sigma_s^2`` for a patch far larger than sigma_s.
+
+    Parameters
+    ----------
+    shape
+        Rows and columns.
+    dx, dy
+        Pixel size in metres.
+    """
+    sigma = check_sigma_s(sigma_s_m)
+    area = 1.0
+    for count, step in zip(shape, (dy, dx), strict=True):
+        if check_ensemble(ensemble) != "average":
+            g = window_axis(count, step, sigma, ensemble)
+            area *= g.sum() ** 2 / (g @ g) * step
+        else:
+            t = taper_axis(count)
+            lags = np.arange(1 - count, count) * step
+            area *= np.correlate(t, t, "full") @ np.exp(-0.25 * (lags / sigma) ** 2) / (t @ t) * step
+    return float(area)
+
+
+def relative_factor(wi: np.ndarray, wr: np.ndarray, wavelength_m: np.ndarray | float, area_m2: float) -> np.ndarray:
+    """What the absolute BRDF at one wavelength, with R = 1, is multiplied by to give the relative one: rho / f.
+
+    ``rho = C <|P|^2>`` with C as in the module's head (R / R0 = 1; multiply by it for a real surface), so
+    ``rho / f = cos_i lambda^2 / area``, `coherence_area` of the patch being ``N^2 dx^2 dy^2 / A``. Unlike f,
+    rho is not reciprocal.
+
+    Parameters
+    ----------
+    wi, wr
+        ``(..., 3)`` unit vectors; the result does not depend on ``wr`` beyond its sign.
+    wavelength_m
+        Broadcasts against the directions, metres.
+    area_m2
+        `coherence_area`.
+    """
+    cos_i, _, lit = _lit(np.asarray(wi, float), np.asarray(wr, float))
+    return np.where(lit, cos_i, 0.0) * np.asarray(wavelength_m) ** 2 / area_m2
+
+
+def relative_colour_factor(wi: np.ndarray, wr: np.ndarray, area_m2: float, illuminant: str = "D65") -> np.ndarray:
+    """`relative_factor` for colours of a table, scaled so that the flat patch's specular peak has Y = 1.
+
+    A table is absolute: its colours carry the factor 1 / lambda^2 of the diffraction integral inside the
+    wavelength integral. This factor takes it out in luminance only; `precompute.evaluate.direct` with
+    ``normalisation="relative"`` takes it out of each wavelength.
+    """
+    from ..light.colour import spectral_weights
+
+    wavelengths, weights = spectral_weights(illuminant=illuminant)
+    mean_inverse_square = (weights[:, 1] / wavelengths**2).sum()
+    return relative_factor(wi, wr, mean_inverse_square**-0.5, area_m2)

@@ -1,0 +1,364 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where to look for the environment: densities of directions that follow f cos of a spectral table.
+
+For light from everywhere a renderer draws a direction wi from a density p (per solid angle) and
+weights the sample by f cos / p. The closer p follows the luminance of f cos, the less noise; any
+p that is positive where f is gives the right mean. A density is stored for each of a few views
+(``docs/lighting.md``, "Environment"); the nearest one is used as if it were the viewer's own.
+
+Coordinates that move with the viewer make a stored density fit its neighbours. With (u, v) =
+-(wi + wr)_xy in polar coordinates (r, phi), the horizon |wi_xy| = 1 lies at
+
+    R(phi) = -b + sqrt(b^2 + cos_r^2),    b = wr_x cos(phi) + wr_y sin(phi)
+
+and a cubic in s runs from the specular direction (s = 0) to that horizon (s = 1):
+
+    r(s) = 3 a s (1 - s)^2 + R s^2 (3 - 2 s)
+
+Its slope 3 a at the specular peak is the same for all viewers of a stored view, so that the peak
+keeps its width, and 0 at the horizon, which takes out the 1 / cos_i of du dv = cos_i d omega. A
+direction below the surface is never drawn. The density over (s^2, phi) is stored as inverse
+distributions in equal steps of probability:
+
+    view     i = round(n_views * artanh(sin_r) / VIEW_END),  j = round(azimuths(i) * phi_r / 2 pi)
+    radius   step k = floor(n_r * xi_1):    s^2 between two edges, even; and the row of its angles
+    angle    step l = floor(n_phi * xi_2):  turn between two edges t_0, t_1 with half of the probability on
+             either side of t_m, by  turn = t_0 + (t_1 - t_0) x / (x + c (1 - x)),  c = (t_1 - t_m) / (t_m - t_0)
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from ..files.atomic import atomic_path
+from ..files.exr import write_image
+from .layout import TableLayout
+from .table import SpectralTable
+
+#: Polar angles of the views, steps of the radius, rows of angles, steps of the angle.
+N_VIEWS, N_R, N_ROWS, N_PHI = 14, 256, 36, 36
+
+#: artanh(sin_r) of the last view would be this at index N_VIEWS: artanh widens towards grazing views, where the
+#: horizon moves faster than the view does.
+VIEW_END = 2.4
+
+#: Azimuths at polar angle i: this many times i, at most the other; one where i = 0.
+AZIMUTHS_STEP, AZIMUTHS_MAX = 8, 32
+
+
+def azimuths(i: int) -> int:
+    """Views at polar angle ``i``."""
+    return min(max(AZIMUTHS_STEP * i, 1), AZIMUTHS_MAX)
+
+
+#: Index of the first view of each polar angle, and of all views.
+FIRST_VIEW = tuple(sum(azimuths(k) for k in range(i)) for i in range(N_VIEWS + 1))
+
+#: Size of the image: a row a view.
+WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, FIRST_VIEW[-1]
+
+#: Version of the file, with all that its reader takes for granted; an image of another one is made anew.
+VERSION = f"2 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
+
+#: Shares of X, Y and Z in a density: the luminance and a little more; that alone would leave the blue orders to chance.
+_XYZ_SHARES = np.array((0.07, 0.86, 0.07), np.float32)
+
+#: Share of an even density, for regions that hold no light at all.
+_EVEN = 0.01
+
+#: Least density over a ring's angles, relative to its mean: a step that spans the gap between two orders would hold
+#: the bright flanks of both.
+_ANGLE_FLOOR = 0.04
+
+#: Cells of the quadrature of a view.
+_CELLS, _SECTORS = 160, 288
+
+#: s where the rows of angles turn from even steps of log s to even steps of s.
+_ROW_S = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Importance:
+    """Inverse distributions of a table.
+
+    Parameters
+    ----------
+    radius
+        ``(HEIGHT, n_r, 2)`` lower and upper edge of each step of s^2.
+    row
+        ``(HEIGHT, n_r)`` row of angles that a step of the radius uses.
+    turn
+        ``(HEIGHT, n_rows, n_phi, 3)`` lower edge, upper edge and median of each step of phi / 2 pi.
+    """
+
+    radius: np.ndarray
+    row: np.ndarray
+    turn: np.ndarray
+
+    def draw(self, wr: np.ndarray, xi_1: np.ndarray, xi_2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Draw directions of light, as the shader does.
+
+        Parameters
+        ----------
+        wr
+            ``(3,)`` direction of the viewer, above the surface.
+        xi_1, xi_2
+            ``(n,)`` random numbers in [0, 1).
+
+        Returns
+        -------
+        wi : ndarray
+            ``(n, 3)`` directions above the surface.
+        gain : ndarray
+            ``(n,)`` 1 / density per solid angle: f cos times it is the weight of a sample.
+        """
+        x_r, y_r, cos_r = (float(value) for value in wr)
+        i, view = _nearest_view(x_r, y_r, cos_r)
+        n_r, n_phi = N_R, N_PHI
+        k, column = (xi_1 * n_r).astype(int), (xi_2 * n_phi).astype(int)
+        e_0, e_1 = np.moveaxis(self.radius[view, k].astype(float), -1, 0)
+        t_0, t_1, t_m = np.moveaxis(self.turn[view, self.row[view, k], column].astype(float), -1, 0)
+        s = np.sqrt(e_0 + (xi_1 * n_r - k) * (e_1 - e_0))
+        x, c = xi_2 * n_phi - column, (t_1 - t_m) / (t_m - t_0)
+        bend = x + c * (1.0 - x)
+        phi = 2.0 * np.pi * (t_0 + (t_1 - t_0) * x / bend)
+        b = x_r * np.cos(phi) + y_r * np.sin(phi)
+        r, cos_i, solid_angle = _from_s(s, b, cos_r, _peak_slope(i))
+        area = n_r * (e_1 - e_0) * 2.0 * np.pi * n_phi * (t_1 - t_0) * c / bend**2  # of s^2 and phi, per probability
+        wi = np.stack([-r * np.cos(phi) - x_r, -r * np.sin(phi) - y_r, cos_i], -1)
+        return wi, solid_angle * area
+
+    def image(self) -> np.ndarray:
+        """``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: a row a view.
+
+        First the steps of the radius (two edges and the row of angles), then the rows of angles one after another
+        (two edges and the median).
+        """
+        image = np.zeros((HEIGHT, WIDTH, 3), np.float32)
+        image[:, :N_R, :2] = self.radius
+        image[:, :N_R, 2] = self.row
+        image[:, N_R:] = self.turn.reshape(HEIGHT, N_ROWS * N_PHI, 3)
+        return image
+
+
+def importance(table: SpectralTable) -> Importance:
+    """Inverse distributions that follow the luminance of f cos, energy conservation on.
+
+    Parameters
+    ----------
+    table
+        The spectral table.
+    """
+    tiles = _sector_tiles(table)
+    radius = np.empty((HEIGHT, N_R, 2), np.float32)
+    row = np.empty((HEIGHT, N_R), int)
+    turn = np.empty((HEIGHT, N_ROWS, N_PHI, 3), np.float32)
+
+    def fill(i: int) -> None:
+        for view, mass in enumerate(_masses(table, tiles, i), FIRST_VIEW[i]):
+            radius[view], row[view], turn[view] = _invert(mass)
+
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, N_VIEWS)) as pool:
+        list(pool.map(fill, range(N_VIEWS)))
+    return Importance(radius, row, turn)
+
+
+def albedo_free_cosine(table: SpectralTable) -> float:
+    """Smallest cosine above which no albedo of the table passes 1, so that a renderer need not look it up.
+
+    0 where none passes 1 at all, more than 1 where that happens straight above already.
+    """
+    layout = table.layout
+    first = layout.albedo_y + 1
+    above = (table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0] > 1.0).any(axis=0)
+    if not above.any():
+        return 0.0
+    column = int(np.argmax(above)) - 1  # between this column and the next the albedo may pass 1
+    return 2.0 if column < 0 else float(np.cos(column * (0.5 * np.pi / (layout.n_theta - 1))))
+
+
+def _nearest_view(x_r: float, y_r: float, cos_r: float) -> tuple[int, int]:
+    """Index of the polar angle, and of the view."""
+    sin_r = np.hypot(x_r, y_r)
+    i = min(int(np.log((1.0 + sin_r) / cos_r) * (N_VIEWS / VIEW_END) + 0.5), N_VIEWS - 1)
+    j = int(np.floor(np.arctan2(y_r, x_r) / (2.0 * np.pi) * azimuths(i) + 0.5)) % azimuths(i)
+    return i, FIRST_VIEW[i] + j
+
+
+def _peak_slope(i: int) -> float:
+    """A third of dr / ds at s = 0: the nearest horizon of the flattest view that uses view ``i``."""
+    return min(1.0 - np.tanh((i + 0.5) * (VIEW_END / N_VIEWS)), 2.0 / 3.0)
+
+
+def _from_s(s: np.ndarray, b: np.ndarray, cos_r: float, slope: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Radius r, cos_i and d omega / (d(s^2) d phi); exact at the horizon, where differences would cancel."""
+    root = np.sqrt(b**2 + cos_r**2)
+    far = np.where(b > 0.0, b + root, cos_r**2 / (root + np.abs(b)))  # the horizon behind: -far
+    reach = cos_r**2 / far
+    a = np.minimum(slope, reach)
+    per_s = 3.0 * a * (1.0 - s) ** 2 + reach * s * (3.0 - 2.0 * s)
+    r = s * per_s
+    # cos_i^2 = (R - r)(r + far), and R - r = (1 - s)^2 (R (1 + 2 s) - 3 a s)
+    rest = np.sqrt(np.maximum((reach * (1.0 + 2.0 * s) - 3.0 * a * s) * (r + far), 1e-20))
+    # du dv = r dr dphi = cos_i domega,  dr / ds = 3 (1 - s)(a (1 - 3 s) + 2 R s)
+    return r, (1.0 - s) * rest, per_s * 1.5 * (a * (1.0 - 3.0 * s) + 2.0 * reach * s) / rest
+
+
+def _sector_tiles(table: SpectralTable) -> np.ndarray:
+    """``(n_w, sectors, n_r)`` texels weighted by `_XYZ_SHARES`, as means over even sectors that begin at phi = 0."""
+    layout = table.layout
+    edges = np.arange(_SECTORS + 1) * (layout.n_phi / _SECTORS) + 0.5  # a texel's angle is the middle of its row
+    whole = edges.astype(int)
+    part = (edges - whole)[:, None]
+    tiles = np.empty((layout.n_w, _SECTORS, layout.n_r), np.float32)
+    for index in range(layout.n_w):
+        x, y = layout.tile_origin(index)
+        tile = table.atlas[y + 1 : y + 1 + layout.n_phi, x : x + layout.n_r].astype(np.float32) @ _XYZ_SHARES
+        tile = np.maximum(tile, 0.0).astype(float)
+        cumulative = np.concatenate([np.zeros((1, layout.n_r)), np.cumsum(np.concatenate([tile, tile[:1]]), axis=0)])
+        at = cumulative[whole] + part * tile[whole % layout.n_phi]
+        tiles[index] = np.diff(at, axis=0) * (_SECTORS / layout.n_phi)
+    return tiles
+
+
+def _cell_edges() -> np.ndarray:
+    """Edges of the quadrature in s: finer towards the specular peak."""
+    h = np.linspace(0.0, 1.0, _CELLS + 1)
+    return h * (0.3 + 0.7 * h)
+
+
+def _masses(table: SpectralTable, tiles: np.ndarray, i: int):
+    """``(sectors, cells)`` integrals of f cos over cells of (s, phi), for the azimuths of view ``i``.
+
+    All geometry depends on phi - phi_r, so that one set of places serves all azimuths.
+    """
+    layout: TableLayout = table.layout
+    sin_r = np.tanh(i * (VIEW_END / N_VIEWS))
+    cos_r = np.sqrt(1.0 - sin_r**2)
+    edges = _cell_edges()
+    s = 0.5 * (edges[1:] + edges[:-1])[None]
+    turn = ((np.arange(_SECTORS) + 0.5) * (2.0 * np.pi / _SECTORS))[:, None]
+    r, cos_i, solid_angle = _from_s(s, sin_r * np.cos(turn), cos_r, _peak_slope(i))
+    cell = solid_angle * np.diff(edges**2) * (2.0 * np.pi / _SECTORS)
+    w = cos_i + cos_r
+    # 1 + wi.wr = |wi + wr|^2 / 2, with wi + wr = -(u, v, w).
+    gain = ((r**2 + w**2) / 2.0) ** 2 / (cos_r * w**2) * (layout.scale * w**layout.power) * cell
+
+    position, column = layout.slice_coordinate(w), layout.column(r)
+    lower, left = np.minimum(position.astype(int), layout.n_w - 2), np.minimum(column.astype(int), layout.n_r - 2)
+    up, right = (position - lower).astype(np.float32), (column - left).astype(np.float32)
+    stride = _SECTORS * layout.n_r
+    place = lower * stride + left
+    flat = tiles.reshape(-1)
+
+    first = layout.albedo_y + 1
+    albedo = np.maximum(table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0].astype(np.float32), 1.0)
+    polar = np.rint(np.arccos(np.minimum(cos_i, 1.0)) * ((layout.n_theta - 1) / (0.5 * np.pi))).astype(int)
+    # Azimuth of wi relative to the viewer's, in rows of the albedo.
+    around = np.arctan2(-r * np.sin(turn), -r * np.cos(turn) - sin_r) * (layout.n_albedo_phi / (2.0 * np.pi))
+    viewer = round(np.arccos(cos_r) * ((layout.n_theta - 1) / (0.5 * np.pi)))
+
+    for j in range(azimuths(i)):
+        shift = j * _SECTORS // azimuths(i)
+        sector = (np.arange(_SECTORS) + shift) % _SECTORS
+        at = place + (sector * layout.n_r)[:, None]
+        below = flat[at] * (1.0 - right) + flat[at + 1] * right
+        above = flat[at + stride] * (1.0 - right) + flat[at + stride + 1] * right
+        turn_rows = j * layout.n_albedo_phi / azimuths(i)
+        losses = albedo[np.rint(around + turn_rows).astype(int) % layout.n_albedo_phi, polar]
+        losses = np.maximum(losses, albedo[round(turn_rows) % layout.n_albedo_phi, viewer])
+        mass = (below * (1.0 - up) + above * up) * gain / losses
+        mass = (1.0 - _EVEN) * mass / max(mass.sum(), 1e-30) + _EVEN * cell * cos_i / np.pi
+        yield np.roll(mass, shift, axis=0)
+
+
+def _invert(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Steps of the radius, their rows of angles, and the steps of the angle in each row."""
+    squared = _cell_edges() ** 2
+    total = np.concatenate([[0.0], np.cumsum(mass.sum(axis=0))])
+    probability = np.linspace(0.0, 1.0, N_R + 1)
+    edges = np.interp(probability * total[-1], total, squared)
+    edges[0], edges[-1] = 0.0, 1.0
+    radius = edges.astype(np.float32)
+
+    # Rows of angles go half by probability and half by the logarithm of s: the peak, which is round, shares few of
+    # them, and dim outskirts, where the angles differ most, get some.
+    spread = np.arcsinh(np.sqrt(edges) / _ROW_S) / np.arcsinh(1.0 / _ROW_S)
+    measure = 0.5 * (probability + spread)
+    row = np.minimum((0.5 * (measure[1:] + measure[:-1]) * N_ROWS).astype(int), N_ROWS - 1)
+
+    place = np.clip(np.searchsorted(squared, edges, side="right") - 1, 0, len(squared) - 2)
+    part = (edges - squared[place]) / (squared[place + 1] - squared[place])
+    cumulative = np.concatenate([np.zeros((len(mass), 1)), np.cumsum(mass, axis=1)], axis=1)
+    at = cumulative[:, place] * (1.0 - part) + cumulative[:, place + 1] * part
+    turn = np.zeros((N_ROWS, N_PHI, 3), np.float32)
+    used, first = np.unique(row, return_index=True)
+    last = np.append(first[1:], N_R)
+    sectors = np.linspace(0.0, 1.0, len(mass) + 1)
+    targets = np.linspace(0.0, 1.0, 2 * N_PHI + 1)
+    for index, start, stop in zip(used, first, last, strict=True):
+        steps = np.maximum(at[:, stop] - at[:, start], 0.0)
+        steps = np.maximum(steps, _ANGLE_FLOOR * steps.mean())
+        cdf = np.concatenate([[0.0], np.cumsum(steps)])
+        # Few digits make the file small; no step is so narrow that they would close it.
+        angles = np.rint(np.interp(targets * cdf[-1], cdf, sectors) * 2.0**19) / 2.0**19
+        turn[index] = np.stack([angles[:-1:2], angles[2::2], angles[1::2]], -1)
+    return np.stack([radius[:-1], radius[1:]], -1), row, turn
+
+
+def save_importance(
+    image: np.ndarray, path: str | os.PathLike[str], atlas_sha256: str, albedo_free: float = 2.0
+) -> None:
+    """Write the image of `Importance.image` as a 32-bit EXR that names the atlas it was made from.
+
+    Parameters
+    ----------
+    image
+        ``(HEIGHT, WIDTH, 3)``, row 0 at the bottom.
+    path
+        Of the file.
+    atlas_sha256
+        Hash of the table's atlas.
+    albedo_free
+        What `albedo_free_cosine` says of the table; 2 has every albedo looked up.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be written.
+    """
+    import OpenEXR
+
+    header = {
+        "compression": OpenEXR.ZIP_COMPRESSION,
+        "type": OpenEXR.scanlineimage,
+        "atlasSha256": atlas_sha256,
+        "importanceVersion": VERSION,
+        "albedoFreeCosine": repr(albedo_free),
+    }
+    with atomic_path(path) as temporary:
+        write_image(temporary, header, {"RGB": np.ascontiguousarray(image[::-1], np.float32)})
+
+
+def read_origin(path: str | os.PathLike[str]) -> tuple[str, float] | None:
+    """Hash of the atlas that an importance image was made from, and the cosine above which no albedo passes 1.
+
+    None where there is no such image or one of another version.
+    """
+    import OpenEXR
+
+    if not Path(path).is_file():
+        return None
+    try:
+        with OpenEXR.File(os.fspath(path)) as file:
+            header = file.header()
+            if header.get("importanceVersion") != VERSION:
+                return None
+            return header["atlasSha256"], float(header["albedoFreeCosine"])
+    except Exception:  # whatever is wrong with it, it is made anew
+        return None

@@ -1,0 +1,180 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Coordinates of the spectral table and its place in the atlas.
+
+One analytic mapping, the same in Python, OSL, GLSL and shader nodes; see
+``docs/architecture.md``, "The spectral table". asinh is linear near zero, where the
+specular peak needs an even step of (u, v), and logarithmic beyond, where the colour
+matching functions smear every feature over a constant *ratio* of radii.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+
+import numpy as np
+
+from ..constants import W_MAX
+from ..errors import TableError
+
+#: Largest |(u, v)|: light and viewer on the same horizon.
+R_MAX = 2.0
+
+
+@dataclass(frozen=True)
+class TableLayout:
+    """Sizes and mapping constants of a spectral table.
+
+    Parameters
+    ----------
+    n_r, n_phi, n_w
+        Radii, angles and slices.
+    r0
+        Radius (sine units) where the radial grid turns from linear to logarithmic.
+    w0
+        The same for |w|; a tiny ``w0`` makes the slices logarithmic.
+    w_min
+        |w| of slice 0.
+    power
+        Texels hold ``T / (scale |w|^power)``.
+    scale
+        Brings the texels into the range of half floats.
+    tile_columns
+        Tiles side by side in the atlas.
+    n_theta, n_albedo_phi
+        Size of the albedo tile.
+    """
+
+    n_r: int
+    n_phi: int
+    n_w: int
+    r0: float
+    w0: float
+    w_min: float
+    power: float = 1.0
+    scale: float = 1.0
+    tile_columns: int = 1
+    n_theta: int = 46
+    n_albedo_phi: int = 36
+
+    def __post_init__(self) -> None:
+        whole = (self.n_r, self.n_phi, self.n_w, self.tile_columns, self.n_theta, self.n_albedo_phi)
+        if any(not isinstance(n, int) or n < 1 for n in whole) or min(self.n_r, self.n_w, self.n_theta) < 2:
+            raise TableError("The table's layout holds sizes that are not positive whole numbers; bake the scan again.")
+        numbers = (self.r0, self.w0, self.w_min, self.power, self.scale)
+        if not all(math.isfinite(x) for x in numbers) or min(self.r0, self.w0, self.w_min, self.scale) <= 0:
+            raise TableError("The table's layout holds impossible mapping constants; bake the scan again.")
+
+    # Mapping constants, derived and stored in the sidecar for the shaders.
+
+    @property
+    def a_r(self) -> float:
+        """Columns per unit of asinh(r / r0)."""
+        return (self.n_r - 1) / math.asinh(R_MAX / self.r0)
+
+    @property
+    def s_w(self) -> float:
+        """asinh(w_min / w0)."""
+        return math.asinh(self.w_min / self.w0)
+
+    @property
+    def a_w(self) -> float:
+        """Slices per unit of asinh(|w| / w0)."""
+        return (self.n_w - 1) / (math.asinh(W_MAX / self.w0) - self.s_w)
+
+    # Atlas geometry (texels, y upwards).
+
+    @property
+    def tile_rows(self) -> int:
+        """Rows of tiles."""
+        return -(-self.n_w // self.tile_columns)
+
+    @property
+    def tile_height(self) -> int:
+        """Texel rows of a tile: the angles and a guard row on either side."""
+        return self.n_phi + 2
+
+    @property
+    def width(self) -> int:
+        """Atlas width."""
+        return max(self.tile_columns * self.n_r, self.n_theta)
+
+    @property
+    def albedo_y(self) -> int:
+        """First texel row of the albedo tile."""
+        return self.tile_rows * self.tile_height
+
+    @property
+    def height(self) -> int:
+        """Atlas height."""
+        return self.albedo_y + self.n_albedo_phi + 2
+
+    @property
+    def texel_bytes(self) -> int:
+        """Bytes of the atlas as a renderer loads it: half floats, four channels (RGB is padded to RGBA)."""
+        return self.width * self.height * 8
+
+    # Grids.
+
+    @property
+    def radii(self) -> np.ndarray:
+        """``(n_r,)`` radii sqrt(u^2 + v^2) of the columns."""
+        return self.r0 * np.sinh(np.arange(self.n_r) / self.a_r)
+
+    @property
+    def angles(self) -> np.ndarray:
+        """``(n_phi,)`` angles of the rows in radians."""
+        return np.arange(self.n_phi) * (2.0 * np.pi / self.n_phi)
+
+    @property
+    def slices(self) -> np.ndarray:
+        """``(n_w,)`` values of |w|."""
+        return self.w0 * np.sinh(np.arange(self.n_w) / self.a_w + self.s_w)
+
+    def column(self, r: np.ndarray) -> np.ndarray:
+        """Column coordinate of radii ``r``, clamped to the grid."""
+        return np.clip(self.a_r * np.arcsinh(np.asarray(r) / self.r0), 0.0, self.n_r - 1.0)
+
+    def row(self, phi: np.ndarray) -> np.ndarray:
+        """Row coordinate of angles ``phi`` (radians) in [0, n_phi)."""
+        row = np.mod(np.asarray(phi) * (self.n_phi / (2.0 * np.pi)), self.n_phi)
+        return np.where(row >= self.n_phi, 0.0, row)
+
+    def slice_coordinate(self, w: np.ndarray) -> np.ndarray:
+        """Slice coordinate of |w|, clamped to the grid."""
+        return np.clip(self.a_w * (np.arcsinh(np.abs(w) / self.w0) - self.s_w), 0.0, self.n_w - 1.0)
+
+    def tile_origin(self, index: int) -> tuple[int, int]:
+        """Texel (x, y) of the lower left corner of slice ``index``, guard row included."""
+        return (index % self.tile_columns) * self.n_r, (index // self.tile_columns) * self.tile_height
+
+    def to_dict(self) -> dict[str, float | int]:
+        """Everything a shader needs, for the sidecar."""
+        derived = {
+            name: getattr(self, name) for name in ("a_r", "a_w", "s_w", "tile_rows", "width", "height", "albedo_y")
+        }
+        return {**asdict(self), **derived}
+
+    @classmethod
+    def from_dict(cls, data: dict) -> TableLayout:
+        """Rebuild from a sidecar; raises TableError where numbers are missing or inconsistent."""
+        names = cls.__dataclass_fields__
+        try:
+            layout = cls(**{name: data[name] for name in names})
+        except (KeyError, TypeError) as error:
+            raise TableError("The table's sidecar lacks a part of its layout; bake the scan again.") from error
+        if any(layout.to_dict()[name] != data.get(name) for name in ("width", "height", "albedo_y", "tile_rows")):
+            raise TableError("The table's sidecar contradicts itself about the size of its atlas; bake the scan again.")
+        return layout
+
+
+def near_square_columns(n_r: int, n_phi: int, n_w: int) -> int:
+    """Tiles side by side that keep the atlas close to a square, wasting no tile where that is possible."""
+    candidates = range(1, n_w + 1)
+
+    def cost(columns: int) -> float:
+        rows = -(-n_w // columns)
+        side = max(columns * n_r, rows * (n_phi + 2))
+        return side * (1.0 + 0.5 * (rows * columns - n_w) / n_w)
+
+    return min(candidates, key=cost)

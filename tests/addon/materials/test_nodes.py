@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material without OSL: the same picture as the OSL one in Cycles, nearly so in EEVEE."""
+
+import bpy
+import numpy as np
+import pytest
+
+from tests.addon.materials.test_environment import white_world
+from tests.addon.materials.test_lamps import LAMPS, add_lamp
+from tests.addon.materials.test_suns import rising
+from tests.support.blender import materials, scenes, tables
+from tests.support.compare import assert_images_agree
+
+SUNS = [(0.3, -0.4, 0.8), (-0.5, 0.6, 0.7)]
+
+
+def two_suns(tmp_path, suns=SUNS, **mesh):
+    tables.make_table(tmp_path / "t.exr", tables.lobes, albedo=rising)
+    sphere = scenes.add_sphere(**mesh)
+    for number, direction in enumerate(suns):
+        scenes.add_sun(direction, name=f"sun {number}")
+    scenes.add_camera((0.2, 0.1, 1.0))
+    return sphere
+
+
+def visible(image):
+    """Pixels well above the weight at which Cycles drops a closure."""
+    return image.max(-1) > 3e-3
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"fresnel": "NONE"},
+        {"fresnel": "DIELECTRIC", "ior": 1.7, "rotation": 0.7},
+        {"fresnel": "CONDUCTOR", "conserve_energy": False, "orientation": "RADIAL"},
+    ],
+)
+def test_same_picture_as_osl(blender, tmp_path, settings):
+    sphere = two_suns(tmp_path, suns=SUNS[:1])
+    sphere.scale = (1.0, 0.8, 0.9)
+    materials.diffracting(sphere, tmp_path / "t.exr", environment=0, **settings)
+    by_osl = scenes.render(64)
+    blender.context.scene.cycles.shading_system = False
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", environment=0, **settings)
+    by_nodes = scenes.render(64)
+    assert visible(by_osl).sum() > 500
+    assert_images_agree(by_nodes, by_osl, 0.01, where=visible(by_osl), name="nodes")
+
+
+def test_same_picture_as_osl_with_the_table_of_the_snake_preset(blender, snake, tmp_path):
+    sphere = two_suns(tmp_path, suns=SUNS[:1])
+    _, path = snake
+    materials.diffracting(sphere, path, fresnel="NONE", environment=0)
+    by_osl = scenes.render(64)
+    materials.diffracting(sphere, path, implementation="NODES", fresnel="NONE", environment=0)
+    by_nodes = scenes.render(64)
+    assert visible(by_osl).sum() > 500
+    assert by_osl.max() > 100 * np.median(by_osl[visible(by_osl)])
+    assert_images_agree(by_nodes, by_osl, 0.01, where=visible(by_osl), name="nodes_snake")
+
+
+def test_same_mean_for_several_lamps_as_osl(blender, tmp_path):
+    """Cycles picks one lamp a sample, so that pictures of several agree in the mean only."""
+    sphere = two_suns(tmp_path)
+    materials.diffracting(sphere, tmp_path / "t.exr", environment=0)
+    by_osl = scenes.render(64, samples=64)
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", environment=0)
+    by_nodes = scenes.render(64, samples=64)
+    assert by_nodes.mean((0, 1)) == pytest.approx(by_osl.mean((0, 1)), rel=0.01)
+
+
+def test_pigment_survives_the_change_of_implementation(blender, tmp_path):
+    sphere = two_suns(tmp_path, segments=32, rings=16)
+    made = materials.diffracting(sphere, tmp_path / "t.exr", pigment=(0.2, 0.3, 0.4, 1))
+    from diffraction_shader.addon.materials import lights, material
+
+    for implementation in ("NODES", "OSL", "NODES"):
+        settings = material.Settings(implementation=implementation)
+        material.apply(made, tmp_path / "t.exr", settings, lights.lamp_objects(bpy.context.scene))
+        node = material.shader_node(made)
+        assert node.inputs["Base"].links[0].from_node.name == "Pigment"
+        assert material.settings_of(made).implementation == implementation
+        outputs = [n.target for n in made.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]
+        assert sorted(outputs) == (["CYCLES", "EEVEE"] if implementation == "NODES" else ["ALL"])
+
+
+def test_file_is_packed_and_needs_nothing_else(blender, tmp_path):
+    sphere = two_suns(tmp_path, segments=64, rings=32)
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES")
+    before = scenes.render(24)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    for name in ("t.exr", "t.json"):
+        (tmp_path / name).unlink()
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "scene.blend"))
+    assert np.array_equal(scenes.render(24), before)
+
+
+def test_nodes_follow_new_lamps(blender, tmp_path):
+    sphere = two_suns(tmp_path, suns=[], segments=64, rings=32)
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
+    assert scenes.render(16).max() == 0.0
+    scenes.add_sun((0.1, 0.2, 1.0))
+    bpy.context.view_layer.update()
+    bpy.context.view_layer.update()
+    assert scenes.render(16).max() > 0.1
+
+
+def by_eevee(size, shadows=False):
+    """The scene as EEVEE shows it, sampled in the middle of each pixel as `scenes.render(centred=True)` does."""
+    scene = bpy.context.scene
+    scene.render.engine = "BLENDER_EEVEE"
+    scene.eevee.taa_render_samples = 16 if shadows else 1
+    scene.eevee.use_shadows = shadows
+    scene.eevee.light_threshold = 1e-5  # beyond it EEVEE fades lamps out, on every material
+    image = scenes.render(size, centred=True)
+    scene.render.engine = "CYCLES"
+    return image
+
+
+def clear_of_horizons(size, lamp):
+    """Pixels of the sphere that viewer and lamp see from more than five degrees above the surface."""
+    hit, points, _, _, n = scenes.sphere_frames(bpy.data.objects["sphere"], size)
+    matrix = np.array(lamp.matrix_world)
+    to = matrix[:3, 2] if lamp.data.type == "SUN" else matrix[:3, 3] - points
+    cos_i = (n * to).sum(-1) / np.linalg.norm(to, axis=-1)
+    return hit & ((n * -scenes.camera_rays(size)[1]).sum(-1) > 0.1) & (cos_i > 0.1)
+
+
+def test_eevee_equals_cycles_for_a_sun(blender, tmp_path):
+    """Each pixel of a smooth sphere, from the rim to the terminator, dim colours and bright ones."""
+    sphere = two_suns(tmp_path, suns=SUNS[:1])
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", fresnel="NONE", brightness=10.0)
+    by_cycles = scenes.render(64, centred=True)
+    seen = by_cycles.max(-1) > 0.01
+    assert seen.sum() > 2000
+    assert by_cycles.max() > 12.0  # brighter than a colour in EEVEE's buffers may be
+    assert_images_agree(by_eevee(64), by_cycles, 0.03, where=seen, name="eevee")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["point", "ball", "spot", "square", "disk"])
+def test_eevee_equals_cycles_for_a_lamp(blender, tmp_path, name):
+    """f at the lamp's middle in both; of wide lamps the mean, since Cycles draws points of them at random."""
+    kind, data = LAMPS[name]
+    sphere = two_suns(tmp_path, suns=[])
+    lamp = add_lamp(kind, (1.6, -1.2, 2.6), **data)
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
+    by_cycles = scenes.render(32, samples=64, centred=True)
+    where = clear_of_horizons(32, lamp) & (by_cycles.max(-1) > 0.01)
+    assert where.sum() > 300
+    assert by_eevee(32)[where].mean(0) == pytest.approx(by_cycles[where].mean(0), rel=0.03)
+
+
+@pytest.mark.slow
+def test_eevee_takes_eight_suns_apart(blender, tmp_path):
+    """Suns 25 degrees and more from one another; those of ten degrees see 4 percent of each other."""
+    suns = [(0.1, 0.1, 1), (-0.5, 0.2, 0.9), (0.4, -0.6, 0.7), (0.4, 0.5, 0.8), (-0.3, -0.5, 0.8), (0.8, 0, 0.5),
+            (0, 0.9, 0.5), (-0.9, -0.3, 0.5)]  # fmt: skip
+    sphere = two_suns(tmp_path, suns=suns)
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
+    by_cycles = scenes.render(32, samples=256, centred=True)
+    where = by_cycles.max(-1) > 0.01
+    for lamp in [ob for ob in bpy.data.objects if ob.type == "LIGHT"]:
+        where &= clear_of_horizons(32, lamp) | (np.array(lamp.matrix_world)[2, 2] < 0.6)
+    assert where.sum() > 200
+    ratio = by_eevee(32)[where].sum(-1) / by_cycles[where].sum(-1)
+    assert ratio.mean() == pytest.approx(1.0, abs=0.01)
+    assert np.percentile(np.abs(ratio - 1.0), 75) < 0.03  # Cycles picks one lamp a sample
+
+
+@pytest.mark.slow
+def test_eevee_casts_shadows_and_the_world_hardly_shines_through_the_lobes(blender, tmp_path):
+    """A blocker's shadow on a plane: its edge where Cycles has it; the world adds less than it does to a mirror."""
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    plane, blocker = scenes.add_plane(half=2.0), scenes.add_plane("blocker", half=0.4)
+    blocker.location = (0.2, 0.1, 0.6)
+    blocker.visible_camera = False
+    scenes.add_sun((0.5, 0.2, 0.9), strength=3.0)
+    scenes.add_camera((0.3, 0.0, 1.0), extent=2.0)
+    materials.diffracting(plane, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
+    black = bpy.data.materials.new("black")
+    black.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0, 0, 0, 1)
+    black.node_tree.nodes["Principled BSDF"].inputs["Specular IOR Level"].default_value = 0.0
+    blocker.data.materials.append(black)
+    bpy.context.scene.cycles.max_bounces = 0
+    by_cycles, found = scenes.render(48, centred=True)[..., 1], by_eevee(48, shadows=True)[..., 1]
+    dark = by_cycles < 0.01 * by_cycles.max()
+    assert 50 < dark.sum() < 1000
+    assert ((found < 0.1 * found.max()) == dark).mean() > 0.97  # but for the pixels of the edge
+    lit = by_cycles > 0.1 * by_cycles.max()
+    assert np.median(found[lit] / by_cycles[lit]) == pytest.approx(1.0, abs=0.03)
+    white_world()
+    with_world = by_eevee(48, shadows=True)[..., 1]
+    assert np.median((with_world - found)[lit] / found[lit]) < 0.02
