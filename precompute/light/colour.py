@@ -7,7 +7,9 @@ colour-science, which takes seconds to import; it is loaded on the first call on
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +28,9 @@ STEP_M = 1e-9
 
 #: Smallest response of a cone to a light with Y = 1 to which colours are adapted; illuminant A has 0.34.
 LEAST_CONE = 0.02
+
+#: What the colours of a table are adapted to.
+ADAPTED = "D65"
 
 #: Cone responses of Bradford's chromatic adaptation (Lam, 1985; the matrix of the ICC profiles).
 _BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
@@ -146,6 +151,29 @@ def _xyz_to_rgb(space: str, illuminant: Illuminant) -> np.ndarray:
 def can_be_white(illuminant: Illuminant) -> bool:
     """Whether eyes adapt to a light: lasers and sodium lamps leave a kind of cone (after Bradford) in the dark."""
     return bool((_BRADFORD @ white_xyz(illuminant)).min() > LEAST_CONE)
+
+
+def adaptation(illuminant: Illuminant) -> np.ndarray | None:
+    """``(3, 3)`` Bradford matrix from XYZ under a light to XYZ under D65; None for a light that cannot be white.
+
+    Both whites are those of `white_xyz`. The identity, exactly, for D65.
+    """
+    light = illuminant_of(illuminant)
+    if light == ADAPTED:
+        return np.eye(3)
+    if not can_be_white(light):
+        return None
+    gains = (_BRADFORD @ white_xyz(ADAPTED)) / (_BRADFORD @ white_xyz(light))
+    return np.linalg.solve(_BRADFORD, gains[:, None] * _BRADFORD)
+
+
+def table_light(colour: Mapping[str, Any]) -> Illuminant:
+    """The light whose white a table's XYZ is relative to, by the entry ``colour`` of its sidecar.
+
+    D65 where the note ``adapted`` says so (format 2), so that the matrix to a working space depends on that space
+    alone; else the light of the bake (format 1, and lights that cannot be white).
+    """
+    return illuminant_of(colour.get("adapted") or colour["illuminant"])
 
 
 def xyz_to_rgb_matrix(space: str = "Linear Rec.709", illuminant: Illuminant = "D65") -> np.ndarray:
