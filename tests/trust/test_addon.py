@@ -17,7 +17,7 @@ CYCLES = """
 import json, sys
 import bpy, addon_utils
 from tests.trust.test_addon import loaded
-from tests.addon import extension
+from tests.support.blender import extension
 
 loaded()
 name, cycles = extension.NAME, int(sys.argv[1])
