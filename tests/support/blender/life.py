@@ -184,7 +184,7 @@ def link_and_collect(path, target):
     """Link the collection into a new file in another folder, save it and collect, twice."""
     import bpy
 
-    from tests.addon.panels.test_panels import shown, words
+    from tests.support.blender.panels import shown, words
 
     link_to(path, target)
     before = words(shown("files"))
