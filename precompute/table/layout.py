@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -207,7 +208,9 @@ class TableLayout:
     def from_dict(cls, data: dict) -> TableLayout:
         """Rebuild from a sidecar; raises TableError where numbers are missing or inconsistent."""
         names = cls.__dataclass_fields__
-        old = {} if "guarded" in data else {"w_max": W_MAX, "n_albedo": 1, "n_reflectance": 0, "guarded": 0}
+        old: dict[str, Any] = {"w_max": W_MAX, "n_albedo": 1, "n_reflectance": 0, "guarded": 0}
+        if "guarded" in data:
+            old = {}
         try:
             layout = cls(**{name: old[name] if name in old else data[name] for name in names})
         except (KeyError, TypeError) as error:
@@ -220,8 +223,10 @@ class TableLayout:
 
 #: What format 1 does not know, and what a sidecar must not contradict.
 _SINCE_2 = ("w_max", "n_albedo", "n_reflectance", "guarded")
-_PLACES = ("width", "height", "albedo_y", "tile_rows", "reflectance_y", "guard_x", "guard_y")
-_PLACES += ("guard_high", "guard_middle", "guard_low")
+_PLACES = (
+    *("width", "height", "albedo_y", "tile_rows", "reflectance_y"),
+    *("guard_x", "guard_y", "guard_high", "guard_middle", "guard_low"),
+)
 
 
 def put_guard(atlas: np.ndarray, layout: TableLayout) -> None:
