@@ -26,7 +26,7 @@ FLOORS = {
         ("__main__", "__init__"),
     ),
     "addon": (
-        ("numbers", "paths", "shader_files", "versions"),
+        ("given", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures"),
         ("tables",),
         ("materials",),
