@@ -15,8 +15,9 @@ from ...precompute.light.colour import xyz_to_rgb_matrix
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import SpectralTable, read_sidecar
-from .. import paths
-from ..versions import give_nodes, tells_mirrored_uv, working_space
+from .. import colour_spaces, paths
+from ..colour_spaces import working_space
+from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, lights, nodes_twin, osl, script_node, setup, travel
 
 #: Name of the node that holds a material's diffraction.
@@ -119,7 +120,7 @@ def atlas_image(path: Path) -> bpy.types.Image:
     else:
         image = bpy.data.images.load(str(path), check_existing=False)
     image.name = path.stem
-    image.colorspace_settings.name = "Non-Color"
+    colour_spaces.set_data(image)
     image.alpha_mode = "NONE"
     image.use_fake_user = True
     image.filepath = paths.relative(path)

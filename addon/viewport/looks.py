@@ -12,9 +12,9 @@ import numpy as np
 from ...precompute.evaluate.surface import coherence_area, relative_colour_factor
 from ...precompute.light.colour import xyz_to_rgb_matrix
 from ...precompute.table.layout import TableLayout
+from ..colour_spaces import working_space
 from ..materials import material
 from ..materials.osl import FRESNEL
-from ..versions import working_space
 from .data import orientation
 from .data.blocks import Surface
 

@@ -65,10 +65,11 @@ def brdf_map(
 def exposure_of(xyz: np.ndarray, illuminant: str = "D65") -> float:
     """Factor that shows 2 % of a map's disc at full brightness, so that the orders are visible beside the peak."""
     brightest = xyz_to_rgb(xyz, illuminant=illuminant).max(axis=-1)
-    brightest = np.sort(brightest[brightest > 0])[::-1]
+    brightest = brightest[brightest > 0]
     if not brightest.size:
         return 1.0
-    return float(1.0 / brightest[int(_WHITE_PART * (brightest.size - 1))])
+    place = brightest.size - 1 - int(_WHITE_PART * (brightest.size - 1))
+    return float(1.0 / np.partition(brightest, place)[place])
 
 
 def map_to_srgb(xyz: np.ndarray, exposure: float | None = None, illuminant: str = "D65") -> np.ndarray:

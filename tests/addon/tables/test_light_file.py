@@ -10,8 +10,8 @@ import pytest
 from precompute.light.colour import xyz_to_rgb_matrix
 from precompute.light.illuminant import illuminant_of, read_spectrum
 from precompute.table.table import SpectralTable
-from tests.addon.panels.test_panels import plane_with_material, preset, shown, words
-from tests.precompute.light.test_illuminant import cie, light_file
+from tests.support.blender.panels import plane_with_material, preset, shown, words
+from tests.support.light_files import cie, light_file
 
 
 @pytest.fixture

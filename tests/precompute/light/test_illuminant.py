@@ -19,21 +19,7 @@ from precompute.scan.gsf import write_gsf
 from precompute.sweep import make_tasks
 from precompute.table.cache import TableCache, table_key
 from precompute.table.table import SpectralTable
-
-
-def cie(name="D65"):
-    """Wavelengths in nm and values that colour-science holds."""
-    import colour
-
-    found = colour.SDS_ILLUMINANTS[name]
-    return np.asarray(found.wavelengths), np.asarray(found.values)
-
-
-def light_file(path, nm, power, separator=",", header=""):
-    """A file as spectrometers write it."""
-    rows = [f"{a:.10g}{separator}{b:.10g}" for a, b in zip(nm, power, strict=True)]
-    path.write_text(header + "\n".join(rows) + "\n", encoding="utf-8")
-    return path
+from tests.support.light_files import cie, light_file
 
 
 def line_at(centre_nm, width_nm=2.0, step_nm=0.1):

@@ -56,3 +56,13 @@ def lobes(u, v, w):
     green = np.array([0.1, 0.3, 0.05]) * bump(-0.1, 0.6, 0.2)[..., None]
     blue = np.array([0.2, 0.1, 0.9]) * bump(-0.4, -0.5, 0.25)[..., None]
     return (grey + red + green + blue) * np.abs(w)[..., None]
+
+
+def gentle(u, v, w):
+    """`lobes` scaled to an albedo below 1."""
+    return 0.3 * lobes(u, v, w)
+
+
+def rising(theta, phi):
+    """An albedo that passes 1 towards grazing, more so to one side."""
+    return 0.8 + 0.6 * (theta / (np.pi / 2)) ** 2 * (1 + 0.3 * np.cos(phi))
