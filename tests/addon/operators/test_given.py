@@ -112,7 +112,9 @@ def test_a_browser_that_is_left_says_nothing(state):
     from diffraction_shader.addon.jobs import progress
     from diffraction_shader.addon.operators.import_scan import DIFFRACTION_OT_import_scan
 
-    browser = type("Browser", (), {"cancel": DIFFRACTION_OT_import_scan.cancel, "_jobs": DIFFRACTION_OT_import_scan._jobs})
+    browser = type(
+        "Browser", (), {"cancel": DIFFRACTION_OT_import_scan.cancel, "_jobs": DIFFRACTION_OT_import_scan._jobs}
+    )
     progress.show("Baking", 0.5)  # of another operator
     try:
         browser().cancel(bpy.context)
