@@ -47,7 +47,7 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
             progress("evaluate", 0.3)
             xyz = brdf_map(table, from_angles(theta, phi), size)
             progress("convert", 0.8)
-            illuminant = table.info["colour"]["illuminant"]
+            illuminant = table.light
             return xyz_to_rgb(xyz, illuminant=illuminant) if linear else map_to_srgb(xyz, None, illuminant)
 
         return [Job(work)]
