@@ -104,7 +104,7 @@ class PolarIntensity:
         Coherence window, metres.
     ensemble
         ``average``, ``single`` or ``periodic``.
-    series, tolerance
+    series, tolerance, kappa_max
         See :class:`precompute.bake.series.Series`.
 
     Attributes
@@ -124,6 +124,7 @@ class PolarIntensity:
         ensemble: str,
         series: str = "nodes",
         tolerance: float = 1e-4,
+        kappa_max: float = KAPPA_MAX,
     ) -> None:
         rows, cols = field.shape
         self.x = Axis.plan(cols, field.dx, sigma_s_m)
@@ -134,7 +135,7 @@ class PolarIntensity:
         )
         window = np.outer(*self.window_axes)
         area = float(np.sum(window * window)) * field.dx * field.dy
-        self.series = Series(field.heights, window, KAPPA_MAX, series, tolerance, self._spectrum)
+        self.series = Series(field.heights, window, kappa_max, series, tolerance, self._spectrum)
         self.lag_axes = self._make_lag_axes(sigma_s_m if ensemble == "average" else None)
         self._lag_weight = np.outer(self.lag_axes[0], self.lag_axes[1][: self.x.fine // 2 + 1]).astype(np.float32)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
