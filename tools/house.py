@@ -26,7 +26,7 @@ FLOORS = {
         ("__main__", "__init__"),
     ),
     "addon": (
-        ("colour_spaces", "numbers", "paths", "shader_files", "versions"),
+        ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures"),
         ("tables",),
         ("materials",),

@@ -11,7 +11,8 @@ from typing import Any
 import bpy
 
 from ...precompute.errors import ParameterError, TableError
-from ...precompute.light.colour import xyz_to_rgb_matrix
+from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
+from ...precompute.light.illuminant import to_json
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import SpectralTable, read_sidecar
@@ -187,14 +188,14 @@ def apply(
     node.label = f"Diffraction: {path.stem}"
     _connect(material, node, settings)
     set_settings(node, settings)
-    set_working_space(node, sidecar["colour"]["illuminant"])
+    light = table_light(sidecar["colour"])
+    set_working_space(node, light)
     lights.bind(node, lamps)
 
     material[TABLE_KEY] = image.filepath
     travel.attach(material, image, directions, sidecar["atlas"]["sha256"])
     travel.sync(material)
-    light = sidecar["colour"]["illuminant"]
-    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(light)
+    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(to_json(light))
     setup.prepare_material(material)
     return material
 

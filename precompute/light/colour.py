@@ -7,7 +7,9 @@ colour-science, from the file of `precompute.light.colour_data`; the library its
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +28,9 @@ STEP_M = 1e-9
 
 #: Smallest response of a cone to a light with Y = 1 to which colours are adapted; illuminant A has 0.34.
 LEAST_CONE = 0.02
+
+#: What the colours of a table are adapted to.
+ADAPTED = "D65"
 
 
 def wavelength_grid(step_m: float = STEP_M) -> np.ndarray:
@@ -133,6 +138,30 @@ def _xyz_to_rgb(space: str, illuminant: Illuminant) -> np.ndarray:
 def can_be_white(illuminant: Illuminant) -> bool:
     """Whether eyes adapt to a light: lasers and sodium lamps leave a kind of cone (after Bradford) in the dark."""
     return bool((colour_data.bradford() @ white_xyz(illuminant)).min() > LEAST_CONE)
+
+
+def adaptation(illuminant: Illuminant) -> np.ndarray | None:
+    """``(3, 3)`` Bradford matrix from XYZ under a light to XYZ under D65; None for a light that cannot be white.
+
+    Both whites are those of `white_xyz`. The identity, exactly, for D65.
+    """
+    light = illuminant_of(illuminant)
+    if light == ADAPTED:
+        return np.eye(3)
+    if not can_be_white(light):
+        return None
+    cones = colour_data.bradford()
+    gains = (cones @ white_xyz(ADAPTED)) / (cones @ white_xyz(light))
+    return np.linalg.solve(cones, gains[:, None] * cones)
+
+
+def table_light(colour: Mapping[str, Any]) -> Illuminant:
+    """The light whose white a table's XYZ is relative to, by the entry ``colour`` of its sidecar.
+
+    D65 where the note ``adapted`` says so (format 2), so that the matrix to a working space depends on that space
+    alone; else the light of the bake (format 1, and lights that cannot be white).
+    """
+    return illuminant_of(colour.get("adapted") or colour["illuminant"])
 
 
 def xyz_to_rgb_matrix(space: str = "Linear Rec.709", illuminant: Illuminant = "D65") -> np.ndarray:

@@ -561,7 +561,7 @@ def test_esc_stops_a_threaded_operator(project):
 
 def given(cls, **values):
     """Stands in for an operator that a panel's button calls."""
-    values["properties"] = type("Given", (), {"is_property_set": lambda self, name, ghost: name in values})()
+    values["properties"] = type("Given", (), {"is_property_set": lambda self, name, ghost=True: name in values})()
     return type("Operator", (), {**values, "jobs": cls.jobs, "finished": cls.finished})()
 
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from precompute.table.layout import TableLayout, near_square_columns
+from precompute.table.layout import TableLayout, near_square_columns, put_guard
 from precompute.table.table import SpectralTable
 
 WHITE = (0.95047, 1.0, 1.08883)
@@ -30,12 +30,13 @@ def make_table(path, transform, albedo=None, n_r=96, n_phi=120, n_w=12, power=1.
         np.linspace(0, np.pi / 2, layout.n_theta), np.arange(layout.n_albedo_phi) * 2 * np.pi / layout.n_albedo_phi
     )
     values = np.full_like(theta, 0.5) if albedo is None else albedo(theta, phi)
-    tile = atlas[layout.albedo_y :, : layout.n_theta]
+    tile = atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta]
     tile[1:-1] = values[..., None]
     tile[0], tile[-1] = tile[-2], tile[1]
+    put_guard(atlas, layout)
     info = {
         "albedo_max": float(values.max()),
-        "colour": {"illuminant": "D65", "observer": "CIE 1931 2 degree", "white_xyz": list(WHITE)},
+        "colour": {"illuminant": "D65", "adapted": "D65", "observer": "CIE 1931 2 degree", "white_xyz": list(WHITE)},
         "parameters": {},
         "source": {},
         "terms": 0,
