@@ -81,6 +81,7 @@ class ScaledTable:
             if not (np.isfinite(value) and value > 0):
                 raise ParameterError(f"A {name} of {value:g} makes no sense; give a positive number such as 0.5.")
         self.table, self.scale, self.depth, self.rotation = table, float(scale), float(depth), float(rotation)
+        self.info = table.info
 
     @property
     def beyond(self) -> bool:
