@@ -18,7 +18,7 @@ FLOORS = {
         ("light", "files"),
         ("parameters",),
         ("scan",),
-        ("readers", "presets", "table"),
+        ("readers", "presets", "table", "paint"),
         ("bake",),
         ("evaluate", "sweep"),
         ("commands",),
