@@ -41,3 +41,9 @@ def relative(path: Path) -> str:
         return bpy.path.relpath(str(path)).replace(os.sep, "/")
     except ValueError:  # another drive
         return str(path)
+
+
+def manual_page(name: str) -> str:
+    """A page of the guide that ships with the extension; with an empty name its folder."""
+    folder = Path(__file__).resolve().parent.parent / "manual"
+    return str(folder / f"{name}.html") if name else str(folder)
