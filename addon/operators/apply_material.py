@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
@@ -88,7 +90,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
         try:
-            made = {}
+            made: dict[Any, bpy.types.Material] = {}
             for ob in context.selected_objects:
                 if _takes_material(ob):
                     _give(ob, table, settings, lamps, made)
