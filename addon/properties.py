@@ -53,9 +53,11 @@ FRESNEL_ITEMS = [
     ("NONE", "None", "Reflects everything"),
 ]
 
+# Numbers, because files keep those: version 0.1.0 had OSL as 0.
 IMPLEMENTATION_ITEMS = [
-    ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light"),
-    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file"),
+    ("AUTO", "Automatic", "OSL where this Blender, the scene's engine and its device render it, else Nodes", 0, 2),
+    ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light", 0, 0),
+    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file", 0, 1),
 ]
 
 ORIENTATION_ITEMS = [
@@ -311,7 +313,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     limit_mb: limit_mb()
 
     implementation: EnumProperty(
-        name="Implementation", description="What renders the material", items=IMPLEMENTATION_ITEMS
+        name="Implementation", description="What renders the material", items=IMPLEMENTATION_ITEMS, default="AUTO"
     )
     fresnel: EnumProperty(name="Fresnel", description="How much the surface reflects", items=FRESNEL_ITEMS)
     ior: ior()
