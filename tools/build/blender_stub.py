@@ -72,12 +72,13 @@ ADDED_ELSEWHERE = {
 
 #: What is replaced everywhere: enumerations, which we often choose at run time, or which differ in 4.5, are strings; an
 #: array property takes any sequence; whatever takes numbers takes arrays and vectors; what Blender calls us with is
-#: there; a driver is one of one property.
+#: there; a driver is one of one property; an icon is a number, too.
 WIDER = (
     (re.compile(r"typing\.Literal\[[^\]]*\]"), "str"),
     (re.compile(r"^(    \w+): bpy_prop_array\[.*$", re.MULTILINE), r"\1: typing.Any"),
     (re.compile(r"collections\.abc\.Sequence\["), "collections.abc.Iterable["),
     (re.compile(r"\b(context: Context|depsgraph: Depsgraph)( \| None)+"), r"\1"),
+    (re.compile(r"tuple\[str, str, str, str, int\]"), "tuple[str, str, str, str | int, int]"),
     (re.compile(r"-> FCurve \| list\[FCurve\]:"), "-> FCurve:"),
 )
 
