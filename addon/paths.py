@@ -21,6 +21,11 @@ def unpack_folder() -> Path:
     return _user_folder("unpacked")
 
 
+def asset_folder() -> Path:
+    """Where the asset library goes. Not made here."""
+    return _user_folder("assets")
+
+
 def _user_folder(name: str) -> Path:
     package = __package__.rpartition(".")[0]
     if package.startswith("bl_ext."):

@@ -12,14 +12,14 @@ from . import apply_material
 
 
 class DIFFRACTION_OT_add_node(bpy.types.Operator):
-    """Let the material that this editor shows diffract with the scene's table; its shader stays underneath as pigment"""
+    """Let the material shown here diffract with the scene's table; its shader stays underneath as pigment"""
 
     bl_idname = "diffraction.add_node"
     bl_label = "Add Diffraction"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not context.scene.diffraction.table_path:
             cls.poll_message_set("Bake a table first, in the 3-D view's sidebar")
             return False
@@ -29,7 +29,7 @@ class DIFFRACTION_OT_add_node(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         state, shown = context.scene.diffraction, _shown(context)
         implementation = state.implementation
         if implementation == "AUTO":
@@ -39,7 +39,7 @@ class DIFFRACTION_OT_add_node(bpy.types.Operator):
             return {"CANCELLED"}
         settings = apply_material.settings_from(state, implementation)
         try:
-            apply_material.set_up(context, shown, paths.absolute(state.table_path), settings)
+            apply_material.set_up(context.scene, shown, paths.absolute(state.table_path), settings)
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -20,7 +21,21 @@ def dropped_extensions() -> str:
 
 
 #: Pictures and tables that Blender itself takes when they are dropped.
-_OF_BLENDER = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".exr", ".hdr", ".webp", ".csv", ".stl", ".ply", ".obj"}
+_OF_BLENDER = {
+    ".png",
+    ".jpg",
+    ".jpeg",
+    ".bmp",
+    ".tif",
+    ".tiff",
+    ".exr",
+    ".hdr",
+    ".webp",
+    ".csv",
+    ".stl",
+    ".ply",
+    ".obj",
+}
 
 
 class DIFFRACTION_FH_scan(bpy.types.FileHandler):
@@ -32,15 +47,15 @@ class DIFFRACTION_FH_scan(bpy.types.FileHandler):
     bl_file_extensions = dropped_extensions()
 
     @classmethod
-    def poll_drop(cls, context):
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
         return context.area is not None and context.area.type == "VIEW_3D"
 
 
-def _import(self, context) -> None:
+def _import(self: Any, context: bpy.types.Context) -> None:
     self.layout.operator("diffraction.import_scan", text="Surface Scan (AFM, profiler)", icon="MESH_GRID")
 
 
-def _add_node(self, context) -> None:
+def _add_node(self: Any, context: bpy.types.Context) -> None:
     if context.space_data.type == "NODE_EDITOR" and context.space_data.tree_type == "ShaderNodeTree":
         self.layout.separator()
         self.layout.operator("diffraction.add_node", text="Diffraction", icon="MATERIAL")
@@ -56,7 +71,7 @@ _PAGES = (
 )
 
 
-def manual():
+def manual() -> tuple[str, list[tuple[str, str]]]:
     """Blender's hook: the guide that lies with the extension."""
     return Path(manual_page("")).as_uri() + "/", [(pattern.lower(), f"{page}.html") for pattern, page in _PAGES]
 

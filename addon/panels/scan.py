@@ -66,6 +66,8 @@ class DIFFRACTION_PT_preset(Sidebar, bpy.types.Panel):
 
     def draw(self, context):
         layout, state = split(self.layout), context.scene.diffraction
+        if not bpy.app.background:
+            layout.template_icon_view(state, "preset", show_labels=True, scale=5.0, scale_popup=5.0)
         layout.prop(state, "preset")
         preset, values = PRESETS[state.preset], getattr(state.presets, state.preset)
         column = layout.column(align=True)
