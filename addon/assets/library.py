@@ -103,6 +103,7 @@ def build_assets(
         preview.image_pixels_float.foreach_set(pixels)
         material.asset_mark()
         data = material.asset_data
+        assert data is not None
         data.catalog_id = catalogues[asset.catalogue]
         data.description, data.author = asset.description, "Diffraction Shader"
         for tag in ("diffraction", asset.catalogue.lower(), asset.preset):
@@ -128,6 +129,7 @@ def make_material(asset: Asset, ob: bpy.types.Object, detail: float, implementat
     bpy.context.view_layer.objects.active = ob
     bpy.ops.diffraction.apply_material(implementation=implementation)
     material = ob.active_material
+    assert material is not None and material.node_tree is not None
     material.name = asset.name
     pigment = material.node_tree.nodes.get("Pigment")
     if pigment is not None:

@@ -50,7 +50,7 @@ def _ball(segments: int = 128, rings: int = 64) -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new("Ball")
     lon = np.linspace(0.0, 2.0 * np.pi, segments + 1)
     lat = np.linspace(-0.5 * np.pi + 0.02, 0.5 * np.pi - 0.02, rings + 1)
-    lon, lat = np.meshgrid(lon, lat)
+    lon, lat = np.meshgrid(lon, lat)  # type: ignore[assignment]
     points = np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], -1).reshape(-1, 3)
     return _grid(mesh, points, np.stack([lon, lat], -1).reshape(-1, 2), segments + 1, rings + 1)
 

@@ -31,6 +31,8 @@ class DIFFRACTION_OT_add_node(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         state, shown = context.scene.diffraction, _shown(context)
+        if shown is None:
+            return {"CANCELLED"}
         implementation = state.implementation
         if implementation == "AUTO":
             implementation = renderers.choose(context.scene)[0]
@@ -43,10 +45,11 @@ class DIFFRACTION_OT_add_node(bpy.types.Operator):
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        node = material.shader_node(shown)
-        for each in shown.node_tree.nodes:
-            each.select = each == node
-        shown.node_tree.nodes.active = node
+        node, tree = material.shader_node(shown), shown.node_tree
+        if tree is not None:
+            for each in tree.nodes:
+                each.select = each == node
+            tree.nodes.active = node
         self.report({"INFO"}, f"{shown.name} diffracts; its shader stays underneath as pigment")
         return {"FINISHED"}
 

@@ -76,6 +76,11 @@ class DIFFRACTION_OT_fit_renderer(bpy.types.Operator):
         return {"FINISHED"} if changed else {"CANCELLED"}
 
 
+def _is_own(slot: bpy.types.MaterialSlot) -> bool:
+    """Whether what holds a slot can be changed."""
+    return slot.id_data is not None and slot.id_data.is_editable
+
+
 class DIFFRACTION_OT_make_local(bpy.types.Operator):
     """Make the active object's linked material this file's own, so that it can be changed"""
 
@@ -93,8 +98,10 @@ class DIFFRACTION_OT_make_local(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         ob = context.object
-        linked = ob.active_material
-        if ob.is_editable and not ob.data.is_editable:
+        linked = ob.active_material if ob is not None else None
+        if ob is None or linked is None:
+            return {"CANCELLED"}
+        if ob.data is not None and ob.is_editable and not ob.data.is_editable:
             self.report(
                 {"ERROR"}, f"{ob.name} has linked data; make the object local (Object > Relations > Make Local)."
             )
@@ -102,7 +109,7 @@ class DIFFRACTION_OT_make_local(bpy.types.Operator):
         own = linked.make_local()
         for each in bpy.data.objects:
             for slot in each.material_slots:
-                if slot.material == linked and each.is_editable and slot.id_data.is_editable:
+                if slot.material == linked and each.is_editable and _is_own(slot):
                     slot.material = own
         travel.sync_all()
         self.report({"INFO"}, f"{own.name} is this file's own now")
