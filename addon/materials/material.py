@@ -11,12 +11,14 @@ from typing import Any
 import bpy
 
 from ...precompute.errors import ParameterError, TableError
-from ...precompute.light.colour import xyz_to_rgb_matrix
+from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
+from ...precompute.light.illuminant import to_json
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import SpectralTable, read_sidecar
-from .. import paths
-from ..versions import give_nodes, tells_mirrored_uv, working_space
+from .. import colour_spaces, paths
+from ..colour_spaces import working_space
+from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, lights, nodes_twin, osl, script_node, setup, travel
 
 #: Name of the node that holds a material's diffraction.
@@ -119,7 +121,7 @@ def atlas_image(path: Path) -> bpy.types.Image:
     else:
         image = bpy.data.images.load(str(path), check_existing=False)
     image.name = path.stem
-    image.colorspace_settings.name = "Non-Color"
+    colour_spaces.set_data(image)
     image.alpha_mode = "NONE"
     image.use_fake_user = True
     image.filepath = paths.relative(path)
@@ -186,14 +188,14 @@ def apply(
     node.label = f"Diffraction: {path.stem}"
     _connect(material, node, settings)
     set_settings(node, settings)
-    set_working_space(node, sidecar["colour"]["illuminant"])
+    light = table_light(sidecar["colour"])
+    set_working_space(node, light)
     lights.bind(node, lamps)
 
     material[TABLE_KEY] = image.filepath
     travel.attach(material, image, directions, sidecar["atlas"]["sha256"])
     travel.sync(material)
-    light = sidecar["colour"]["illuminant"]
-    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(light)
+    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(to_json(light))
     setup.prepare_material(material)
     return material
 

@@ -8,9 +8,9 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from ...precompute.errors import DiffractionError
 from .. import paths, properties
+from ..given import take
 from ..materials import lights, material, setup
 from ..versions import give_nodes, limits
-from .from_panel import take
 
 _FROM_PANEL = (
     "implementation",
@@ -67,11 +67,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             return False
         return True
 
-    def invoke(self, context, event):
-        take(self, context, _FROM_PANEL)
-        return self.execute(context)
-
     def execute(self, context):
+        take(self, context.scene.diffraction, _FROM_PANEL)
         settings = material.Settings(
             implementation=self.implementation,
             fresnel=self.fresnel,
