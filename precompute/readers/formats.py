@@ -113,7 +113,7 @@ FORMATS: tuple[Format, ...] = (
     Format("jpeg", (".jpg", ".jpeg"), "plain.image", "read_png", (b"\xff\xd8\xff",), plain=True),
     Format("bmp", (".bmp",), "plain.image", "read_png", (b"BM",), plain=True),
     Format("tiff", (".tif", ".tiff"), "plain.image", "read_tiff", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"), plain=True),
-    Format("text", (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text"), "plain.text", "read_text"),
+    Format("text", (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text", ".xyz"), "plain.text", "read_text"),
 )
 
 
@@ -136,5 +136,5 @@ def find_format(path: Path) -> Format:
             if form.magic or form.claims:
                 raise ScanError(f"The name says {extension} but the content does not; check the file or its extension.")
             return form
-    known = " ".join(sorted({extension for form in FORMATS for extension in form.extensions}))
-    raise ScanError(f"The format is not known; supported are {known}.")
+    known = " ".join(sorted({extension[1:] for form in FORMATS for extension in form.extensions}))
+    raise ScanError(f"The format is not known; supported are {known}; open the file in Gwyddion and export it as .gsf.")

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import mmap
 import os
 import struct
 from pathlib import Path
@@ -31,6 +32,14 @@ def read_matrix(path: Path, dtype: str, rows: int, cols: int, offset: int) -> np
     if cropping():
         return np.memmap(path, kind, "r", offset, (rows, cols))
     return np.fromfile(path, kind, rows * cols, offset=offset).reshape(rows, cols)
+
+
+def contents(path: Path) -> memoryview:
+    """All bytes of a file; mapped where only a part of a scan is wanted."""
+    if not cropping():
+        return memoryview(path.read_bytes())
+    with open(path, "rb") as file:
+        return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
 
 
 def read_head(path: Path, count: int) -> bytes:

@@ -137,8 +137,6 @@ def _take(header: Header, key: str, value: str, spip: bool) -> None:
         header.no_data.append(decimal(pair[1]))
     elif key == "bit2nm" and pair and spip and header.unit is None:
         header.unit, header.factor = "nm", decimal(pair[1])
-    elif (match := re.match(r"height conversion factor \(->\s*(.+)\)$", key)) and pair:
-        header.unit, header.factor = match[1], decimal(pair[1])
     elif key in _COLS and pair and re.fullmatch(r"\d{1,9}", pair[1]):
         header.cols = int(pair[1])
     elif key in _ROWS and pair and re.fullmatch(r"\d{1,9}", pair[1]):

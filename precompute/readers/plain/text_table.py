@@ -19,9 +19,10 @@ from ..common.limits import check_loaded
 
 #: Cells without a number that stand for a point without a height.
 _MARKS = {
-    "", "nan", "+nan", "-nan", "na", "n/a", "#n/a", "null", "none", "bad", "void", "invalid", "-", "--", "---",
-    "*", "***", "nodata", "no data", "undefined", "masked", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "1.#snan", "<na>",
-}  # fmt: skip
+    *("", "nan", "+nan", "-nan", "na", "n/a", "#n/a", "<na>", "null", "none", "bad", "void", "invalid", "undefined"),
+    *("masked", "nodata", "no data", "-", "--", "---", "*", "***"),
+    *("1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "1.#snan"),
+}
 _PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?$")
 _COMMA = re.compile(r"[-+]?(?:\d+(?:,\d+)?|,\d+)(?:[eEdD][-+]?\d+)?$")
 _INFINITE = re.compile(r"[-+]?(?:inf(?:inity)?|1\.#inf)$", re.IGNORECASE)
@@ -41,12 +42,12 @@ class Style:
     def cells(self, line: str) -> list[str]:
         """The cells of a line, bare."""
         if self.quoted:
-            pieces = next(csv.reader([line], delimiter=self.separator or " ", skipinitialspace=True), [])
+            pieces = next(csv.reader([line.strip(" \r\n")], delimiter=self.separator or " ", skipinitialspace=True), [])
         elif self.separator is None:
             return line.split()
         else:
             pieces = line.split(self.separator)
-        return [piece.strip().strip("\"'").strip() for piece in pieces]
+        return [_bare(piece) for piece in pieces]
 
     def number(self, cell: str) -> float:
         """The number in a cell, NaN for a mark.
@@ -74,12 +75,18 @@ class Style:
         return values if any(value == value for value in values) else None
 
 
+def _bare(cell: str) -> str:
+    """A cell without the quotes around it; half a pair shows that it was cut wrongly."""
+    cell = cell.strip()
+    return cell[1:-1].strip() if len(cell) > 1 and cell[0] == cell[-1] and cell[0] in "\"'" else cell
+
+
 def style_of(lines: Iterable[str]) -> Style:
     """The style in which most of these lines are rows of numbers."""
     sample = [line for line in lines if re.search(r"\d", line)][-_STYLE_LINES:]
     best, best_score = Style(None, False, False), (-1, -1)
     for style in _STYLES:
-        rows = [row for line in sample if (row := style.numbers(_trimmed(line, style))) is not None]
+        rows = [row for line in sample if (row := style.numbers(line)) is not None]
         widths = [len(row) for row in rows]
         common = max(set(widths), key=widths.count, default=0)
         # As many rows as can be, of one width; among equals the style that stands first.
