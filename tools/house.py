@@ -27,7 +27,7 @@ FLOORS = {
     ),
     "addon": (
         ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
-        ("gpu_context", "jobs", "pictures"),
+        ("gpu_context", "jobs", "pictures", "renderers"),
         ("tables",),
         ("materials",),
         ("viewport",),
