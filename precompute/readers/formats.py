@@ -80,6 +80,11 @@ def _is_x3p(path: Path, head: bytes) -> bool:
     return path.suffix.lower() == ".x3p"
 
 
+def _is_points(path: Path, head: bytes) -> bool:
+    # The ending belongs to chemists' files too, so the content must be text at least.
+    return path.suffix.lower() == ".xyz" and b"\0" not in head
+
+
 #: Most specific first: a Park TIFF is also a plain TIFF.
 FORMATS: tuple[Format, ...] = (
     Format("gsf", (".gsf",), "plain.gsf", "read_gsf", (b"Gwyddion Simple Field 1.0\n",)),
@@ -113,7 +118,8 @@ FORMATS: tuple[Format, ...] = (
     Format("jpeg", (".jpg", ".jpeg"), "plain.image", "read_png", (b"\xff\xd8\xff",), plain=True),
     Format("bmp", (".bmp",), "plain.image", "read_png", (b"BM",), plain=True),
     Format("tiff", (".tif", ".tiff"), "plain.image", "read_tiff", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"), plain=True),
-    Format("text", (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text", ".xyz"), "plain.text", "read_text"),
+    Format("text", (), "plain.text", "read_text", claims=_is_points),
+    Format("text", (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text"), "plain.text", "read_text"),
 )
 
 
