@@ -149,8 +149,12 @@ class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
         size_m = tuple(before["size_m"]) if "size_m" in before else None
         path, folder, channel = Path(before["path"]), paths.data_folder(), self.channel
         # A height range belongs to one channel only.
-        more = {"trusted": bool(before.get("trust_units"))}
-        return [Job(lambda done: scan_store.import_scan(folder, path, size_m, None, channel, progress=done, **more))]
+        trusted = bool(before.get("trust_units"))
+
+        def take(done) -> scan_store.Stored:
+            return scan_store.import_scan(folder, path, size_m, None, channel, progress=done, trusted=trusted)
+
+        return [Job(take)]
 
 
 class DIFFRACTION_OT_use_stored_scan(_Takes, bpy.types.Operator):
