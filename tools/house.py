@@ -18,7 +18,7 @@ FLOORS = {
         ("light", "files"),
         ("parameters",),
         ("scan",),
-        ("readers", "presets", "table"),
+        ("readers", "presets", "table", "paint"),
         ("bake",),
         ("evaluate", "sweep"),
         ("commands",),
@@ -27,7 +27,7 @@ FLOORS = {
     ),
     "addon": (
         ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
-        ("gpu_context", "jobs", "pictures"),
+        ("gpu_context", "jobs", "pictures", "renderers"),
         ("tables",),
         ("materials",),
         ("viewport",),

@@ -102,7 +102,8 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
 
     def jobs(self, context):
         """Read and store."""
-        size_m = tuple(decimal(size) * 1e-6 for size in self.size_um) if any(self.size_um) else None
+        width, height = (decimal(size) * 1e-6 for size in self.size_um)
+        size_m = (width, height) if any(self.size_um) else None
         height_m = decimal(self.height_nm) * 1e-9 if self.height_nm else None
         placement = scan_store.Placement(self.flip_x, self.flip_y, int(self.turn))
         path, folder = Path(bpy.path.abspath(self.filepath)), paths.data_folder()
