@@ -27,10 +27,11 @@ from ..table.layout import TableLayout, put_guard
 from ..table.table import SpectralTable
 from .balance import balance
 from .budget import check_bake, check_scan
-from .intensity import PolarIntensity, workers
+from .intensity import PolarIntensity
 from .plan import plan_layout
 from .series import chebyshev_nodes, check_single_precision, node_count
 from .spectral_sum import SpectralSum
+from .transforms import workers
 from .window import default_sigma_s
 
 #: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
