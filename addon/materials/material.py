@@ -4,9 +4,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import bpy
 
@@ -84,7 +85,7 @@ class Settings:
     environment: int = 1
 
 
-def is_ours(material: bpy.types.Material | None) -> bool:
+def is_ours(material: bpy.types.Material | None) -> TypeGuard[bpy.types.Material]:
     """Whether a material renders a table."""
     return material is not None and TABLE_KEY in material
 
@@ -94,8 +95,8 @@ def any_ours() -> bool:
     return any(TABLE_KEY in material for material in bpy.data.materials)
 
 
-def shader_node(material: bpy.types.Material) -> bpy.types.Node | None:
-    """The node of a material that holds the sockets of the diffraction."""
+def shader_node(material: bpy.types.Material) -> Any:
+    """The node of a material that holds the sockets of the diffraction; None where there is none."""
     return material.node_tree.nodes.get(NODE) if material.node_tree else None
 
 
@@ -143,7 +144,7 @@ def importance_image(path: Path, atlas_sha256: str) -> tuple[bpy.types.Image, fl
 
 
 def apply(
-    material: bpy.types.Material, table: str | Path, settings: Settings, lamps: list[bpy.types.Object]
+    material: bpy.types.Material, table: str | Path, settings: Settings, lamps: Sequence[lights.LampObject]
 ) -> bpy.types.Material:
     """Make a material diffract: a fresh one, one with a shader of its own (kept underneath), or one of ours.
 

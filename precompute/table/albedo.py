@@ -60,7 +60,7 @@ def albedo_map(
     ndarray
         ``(n_albedo_phi, n_theta)``; the largest of X, Y and Z relative to white.
     """
-    from scipy.fft import rfft
+    from numpy.fft import rfft
 
     sectors = min(SECTORS, layout.n_phi)
     means = texels if texels.shape[-1] == sectors else sector_means(texels, sectors)

@@ -64,7 +64,7 @@ def _picture_uv(mesh: bpy.types.Mesh) -> np.ndarray:
 
 
 def _read(collection, name: str, width: int, dtype: type = np.float32) -> np.ndarray:
-    values = np.empty(len(collection) * width, dtype)
+    values: np.ndarray = np.empty(len(collection) * width, dtype)
     collection.foreach_get(name, values)
     return values.reshape(-1, width)
 
