@@ -31,7 +31,7 @@ $(READY): pyproject.toml .python-version tools/build/check_system.py tools/build
 	@test -x $(PY) && $(PY) -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$(shell cut -d. -f1,2 .python-version)')" 2> /dev/null \
 		|| { rm -rf $(VENV); "$$(sh tools/build/find_python.sh)" -m venv $(VENV); }
 	@$(PY) tools/build/check_system.py
-	@$(PY) tools/build/requirements.py blender sweep test dev > $(VENV)/requirements.txt
+	@$(PY) tools/build/requirements.py blender unbundled sweep test dev > $(VENV)/requirements.txt
 	@echo "Installing Blender as a module and the tools into $(VENV) (about 500 MB, once) ..."
 	@$(PY) -m pip install --quiet --requirement $(VENV)/requirements.txt
 	@touch $(READY)
@@ -42,7 +42,7 @@ $(READY45): pyproject.toml tools/build/check_system.py tools/build/find_python.s
 	@sh tools/build/find_python.sh 3.11 > /dev/null
 	@test -x $(PY45) || "$$(sh tools/build/find_python.sh 3.11)" -m venv $(VENV45)
 	@$(PY45) tools/build/check_system.py
-	@$(PY45) tools/build/requirements.py blender test > $(VENV45)/requirements.txt
+	@$(PY45) tools/build/requirements.py blender unbundled test > $(VENV45)/requirements.txt
 	@echo "Installing Blender 4.5 LTS as a module into $(VENV45) (about 500 MB, once) ..."
 	@$(PY45) -m pip install --quiet --requirement $(VENV45)/requirements.txt
 	@touch $(READY45)
