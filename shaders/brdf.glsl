@@ -22,11 +22,13 @@ vec3 fresnel_conductor(vec3 n, vec3 k, float cos_half)
 
 vec3 fresnel(float cos_half)
 {
-    if (df_surface.fresnel.x == FRESNEL_DIELECTRIC)
-        return vec3(fresnel_dielectric(df_surface.fresnel.y, cos_half));
-    if (df_surface.fresnel.x == FRESNEL_CONDUCTOR)
-        return fresnel_conductor(df_surface.conductor_n.rgb, df_surface.conductor_k.rgb, cos_half);
+#if defined(DIELECTRIC)
+    return vec3(fresnel_dielectric(df_surface.fresnel.y, cos_half));
+#elif defined(CONDUCTOR)
+    return fresnel_conductor(df_surface.conductor_n.rgb, df_surface.conductor_k.rgb, cos_half);
+#else
     return vec3(1.0);
+#endif
 }
 
 // A colour outside the gamut moves towards the grey of its luminance until no component is negative.
@@ -46,8 +48,9 @@ vec3 f_cos_of(vec3 transform_xyz, vec3 wi, vec3 wr, float albedo_r)
 {
     float w_abs = wi.z + wr.z, mirror = 1.0 + dot(wi, wr);
     float factor = mirror * mirror / (wr.z * w_abs * w_abs);
-    if (df_surface.fresnel.z > 0.5)
-        factor /= max(1.0, max(albedo_r, table_albedo(wi)));
+#ifdef CONSERVE
+    factor /= max(1.0, max(albedo_r, table_albedo(wi)));
+#endif
     vec3 xyz = factor * transform_xyz;
     vec3 rgb = vec3(dot(df_surface.to_red.xyz, xyz), dot(df_surface.to_green.xyz, xyz),
                     dot(df_surface.to_blue.xyz, xyz));

@@ -28,13 +28,19 @@ vec3 table_transform(vec2 uv, float w_abs)
     vec2 at = vec2(column + 0.5, row + 1.5) * df_surface.texel.xy;
     vec3 below = textureLod(df_table, vec3(at, lower), 0.0).rgb;
     vec3 above = textureLod(df_table, vec3(at, lower + 1.0), 0.0).rgb;
+#ifdef LINEAR_IN_W
+    return mix(below, above, position - lower) * (df_surface.value.x * w_abs);
+#else
     return mix(below, above, position - lower) * (df_surface.value.x * pow(w_abs, df_surface.value.y));
+#endif
 }
 
-// Directional albedo a(theta, phi) of the raw model with R = 1, of a local direction above the surface.
+#if defined(CONSERVE) || defined(AMBIENT)
+// Directional albedo a(theta, phi) of the raw model with R = 1, of a local direction above the surface. df_albedo holds the
+// hemisphere as Lambert's azimuthal projection, so that the place costs no arc functions (data/textures.py).
 float table_albedo(vec3 direction)
 {
-    float column = acos(clamp(direction.z, 0.0, 1.0)) * (2.0 / PI) * df_surface.value.z;
-    float row = turns(direction.xy) * df_surface.value.w;
-    return textureLod(df_albedo, vec2(column + 0.5, row + 1.5) * df_surface.texel.zw, 0.0).r;
+    vec2 at = direction.xy * inversesqrt(1.0 + max(direction.z, 0.0));
+    return textureLod(df_albedo, at * df_surface.texel.z + 0.5, 0.0).r;
 }
+#endif
