@@ -52,10 +52,9 @@ int lamp_points(DiffractionLamp lamp, vec3 from)
 vec3 sun_light(DiffractionLamp lamp, vec3 node, int count, out vec3 wi)
 {
     vec3 axis = lamp.place.xyz;
-    float s = sin(0.5 * lamp.colour.w), one_minus_cos = 2.0 * s * s;
-    wi = count > 1 ? around(axis, one_minus_cos * node.x, node.y) : axis;
+    wi = count > 1 ? around(axis, lamp.extra.x * node.x, node.y) : axis;
     // Solid angle over projected solid angle: a sun's strength is the irradiance on a surface that faces it.
-    return lamp.colour.rgb * (node.z * 2.0 / (2.0 - one_minus_cos));
+    return lamp.colour.rgb * (node.z * 2.0 / (2.0 - lamp.extra.x));
 }
 #endif
 

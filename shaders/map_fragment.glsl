@@ -22,5 +22,5 @@ void main()
 #ifdef CONSERVE
     albedo_r = table_albedo(wr);
 #endif
-    out_colour = vec4(f_cos_of(xyz, wi, wr, albedo_r), 1.0);
+    out_colour = vec4(f_cos_of(xyz, wi, wr, 1.0 + dot(wi, wr), albedo_r), 1.0);
 }

@@ -38,10 +38,8 @@ void main()
     bool mirrored = dot(df_model[0].xyz, cross(df_model[1].xyz, df_model[2].xyz)) < 0.0;
     bool front = gl_FrontFacing != mirrored;
     bool diffracts = front && cos_r > 0.0;
-#else  // back faces are culled
+#else  // back faces are culled; no discard, which would shade what the depth hides
     bool diffracts = cos_r > 0.0;
-    if (!diffracts)
-        discard;
 #endif
 
     vec3 light = vec3(0.0), pigment = vec3(0.0);
@@ -51,28 +49,34 @@ void main()
 #ifdef CONSERVE
     albedo_r = table_albedo(wr);
 #endif
-    int lamps = int(df_frame.counts.x);
-    for (int i = 0; i < lamps; i++) {
+    for (int i = 0; i < LAMPS; i++) {
         DiffractionLamp lamp = df_frame.lamps[i];
+#ifdef WIDE
         int points = lamp_points(lamp, world_place);
         for (int j = 0; j < points; j++) {
+#else
+        const int points = 1, j = 0;
+        {
+#endif
             vec3 wi;
             vec3 irradiance = lamp_light(lamp, world_place, j, points, wi);
             float cos_i = dot(wi, n);
 #ifdef REPLACE
             pigment += irradiance * max(front ? cos_i : -cos_i, 0.0);
 #endif
-            if (!diffracts || cos_i <= 0.0 || irradiance.r + irradiance.g + irradiance.b <= 0.0)
-                continue;
-            vec3 f_cos = diffraction_f_cos(wi * frame, wr, albedo_r);
-            light += irradiance * f_cos * fresnel(sqrt(max(0.0, 0.5 * (1.0 + dot(wi, to_viewer)))));
+            if (cos_i > 0.0) {
+                float mirror = max(1.0 + dot(wi, to_viewer), 0.0);
+                light += irradiance * diffraction_f_cos(wi * frame, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
+            }
         }
     }
 #ifdef AMBIENT  // a plain world, seen by a surface that sends it back from all over the hemisphere alike
-    if (diffracts)
-        light += df_frame.ambient.rgb * min(table_albedo(wr), 1.0) * fresnel(cos_r);
+#ifndef CONSERVE
+    albedo_r = table_albedo(wr);
 #endif
-    light *= df_surface.fresnel.w;
+    light += df_frame.ambient.rgb * min(albedo_r, 1.0) * fresnel(cos_r);
+#endif
+    light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
 #ifdef REPLACE
     pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);
     light += (vec3(1.0) - fresnel(abs(cos_r))) * pigment;

@@ -77,8 +77,7 @@ def _sources(ob: bpy.types.Object) -> frozenset[int]:
 
 
 def mesh_key(ob: bpy.types.Object) -> tuple:
-    """What tells an evaluated object's mesh from all others: a new evaluation that shares nothing with the old one keeps
-    its points elsewhere."""
+    """What tells an evaluated object's mesh from others; one that shares nothing with it keeps its points elsewhere."""
     data = ob.data
     key = ob.original.session_uid, data.as_pointer()
     if not isinstance(data, bpy.types.Mesh):

@@ -73,7 +73,7 @@ class Frame:
 
     def flags(self) -> set[str]:
         """What of ``sources.FLAGS`` these lamps and this display need."""
-        flags = {"DISPLAY"} if self.display else set()
+        flags = {f"LAMPS_{len(self.lamps)}"} | ({"DISPLAY"} if self.display else set())
         kinds = {name: number for name, number in LAMP_KINDS.items() if number}
         for row in np.reshape(self.lamps, (-1, 6, 4)):
             kind = next(name for name, number in kinds.items() if number == int(row[0, 3]))

@@ -172,7 +172,7 @@ def triangle_tangents(places: np.ndarray, normals: np.ndarray, uv: np.ndarray) -
 
 
 def _alike(rows: np.ndarray) -> np.ndarray:
-    """``(n,)`` numbers of the groups of equal rows: by a 64-bit hash of each, which sorts much faster than the rows do."""
+    """``(n,)`` numbers of the groups of equal rows: by a 64-bit hash of each, which sorts faster than rows."""
     bits = np.ascontiguousarray(rows + np.float32(0.0)).view(np.uint32)  # -0 counts as 0
     key = np.zeros(len(rows), np.uint64)
     for column in bits.T:

@@ -26,8 +26,9 @@ WAVELENGTHS_MAX = 96
 
 METHODS = ("TABLE", "FLSS")
 
-#: What a shader can be made to do besides; a variant has the code of those that it needs and no other: software renderers,
-#: and GPUs where neighbours differ, run every branch.
+#: What a shader can be made to do besides; a variant has the code of those that it needs and no other: software
+#: renderers, and GPUs where neighbours differ, run every branch. LAMPS_0 to LAMPS_16 say how many there are: loops of
+#: known length.
 FLAGS = (
     "LOOSE_DEPTH",  # the depth buffer's points lie elsewhere in their pixels
     "DISPLAY",  # colours pass through the view transform
@@ -55,7 +56,10 @@ def _begin(method: str, flags: frozenset[str]):
 
     info = gpu.types.GPUShaderCreateInfo()
     for name in sorted(flags):
-        info.define(name, "1")
+        if name.startswith("LAMPS_"):
+            info.define("LAMPS", name.removeprefix("LAMPS_"))
+        else:
+            info.define(name, "1")
     info.define("LAMPS_MAX", str(LAMPS_MAX))
     info.define("WAVELENGTHS_MAX", str(WAVELENGTHS_MAX))
     for name, value in LAMP_KINDS.items():
@@ -78,8 +82,8 @@ _BRDF = {"TABLE": ("table.glsl", "brdf.glsl"), "FLSS": ("table.glsl", "flss.glsl
 
 
 @cache
-def surface(method: str, flags: frozenset[str] = frozenset()):
-    """The shader that draws meshes, by one of `METHODS` and with some of `FLAGS`."""
+def surface(method: str, flags: frozenset[str]):
+    """The shader that draws meshes, by one of `METHODS`, with some of `FLAGS` and a number of lamps."""
     import gpu
 
     info = _begin(method, flags)
@@ -106,8 +110,14 @@ def surface(method: str, flags: frozenset[str] = frozenset()):
 
 
 @cache
-def map_of_directions(method: str, flags: frozenset[str] = frozenset()):
-    """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer."""
+def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = ""):
+    """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer.
+
+    Parameters
+    ----------
+    text
+        Of another fragment shader, to measure against.
+    """
     import gpu
 
     info = _begin(method, flags)
@@ -118,7 +128,7 @@ def map_of_directions(method: str, flags: frozenset[str] = frozenset()):
     between.smooth("VEC2", "place")
     info.vertex_out(between)
     info.vertex_source(_text("map_vertex.glsl"))
-    info.fragment_source(_text(*_BRDF[method], "map_fragment.glsl"))
+    info.fragment_source(text or _text(*_BRDF[method], "map_fragment.glsl"))
     return gpu.shader.create_from_info(info)
 
 

@@ -57,7 +57,7 @@ def upload(table: SpectralTable) -> TableTextures:
         slices = gpu.types.GPUTexture(
             (layout.n_r, layout.tile_height), layers=layout.n_w, format="RGBA16F", data=buffer(stack)
         )
-        albedos = gpu.types.GPUTexture((ALBEDO_SIDE, ALBEDO_SIDE), format="R32F", data=buffer(albedo))
+        albedos = gpu.types.GPUTexture((ALBEDO_SIDE, ALBEDO_SIDE), format="R16F", data=buffer(albedo))
     except (RuntimeError, MemoryError) as error:
         raise SizeLimitError(
             f"The GPU has no memory for the table ({stack.nbytes / 2e6:.0f} MB); bake it with a lower detail."
@@ -68,17 +68,17 @@ def upload(table: SpectralTable) -> TableTextures:
 
 
 def albedo_map(table: SpectralTable) -> np.ndarray:
-    """``(ALBEDO_SIDE, ALBEDO_SIDE)`` albedos over the hemisphere in Lambert's azimuthal projection (1772).
+    """``(ALBEDO_SIDE, ALBEDO_SIDE)`` albedos over the hemisphere in stereographic projection.
 
-    A direction (x, y, z) lies at (x, y) / sqrt(1 + z) of the unit disc; outside of it its rim goes on. The steps of half a
-    degree are a quarter of the table's own.
+    A direction (x, y, z) lies at (x, y) / (1 + z) of the unit disc; outside of it its rim goes on. Steps are a fifth of
+    the table's own straight above, and a ninth towards the horizon, where albedos rise most.
     """
     layout = table.layout
     first = layout.albedo_y
     tile = table.atlas[first : first + layout.n_albedo_phi + 2, : layout.n_theta, 0].astype(np.float32)
     along = np.linspace(-1.0, 1.0, ALBEDO_SIDE, dtype=np.float32)
     x, y = np.meshgrid(along, along)
-    theta = 2.0 * np.arcsin(np.minimum(np.hypot(x, y), 1.0) * np.float32(np.sqrt(0.5)))
+    theta = 2.0 * np.arctan(np.minimum(np.hypot(x, y), 1.0))
     column = theta * ((layout.n_theta - 1) / (0.5 * np.pi))
     row = 1.0 + np.mod(np.arctan2(y, x) * (layout.n_albedo_phi / (2.0 * np.pi)), layout.n_albedo_phi)
     left, below = np.minimum(column.astype(int), layout.n_theta - 2), np.minimum(row.astype(int), len(tile) - 2)

@@ -72,8 +72,10 @@ class Topology:
         return self.triangles
 
     def _diagonals(self, places: np.ndarray) -> np.ndarray | None:
-        """Whether each quad is cut between its second and fourth corner, as Blender cuts where the first and third do not
-        see each other; None for meshes with larger faces, which Blender cuts by rules of its own."""
+        """Whether each quad is cut between its second and fourth corner: where first and third do not see each other.
+
+        None for meshes with larger faces, which Blender cuts by rules of its own.
+        """
         if self.quads is None:
             return None
         if len(places) == 4 * len(self.quads):
