@@ -10,7 +10,7 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty
 
 from ..precompute.presets import PRESETS, Parameter, Preset
 
-ITEMS = [(preset.name, preset.label, preset.description) for preset in PRESETS.values()]
+ITEMS: list[tuple[str, str, str]] = [(preset.name, preset.label, preset.description) for preset in PRESETS.values()]
 
 #: For people; lengths carry their unit in the label since Blender has no nanometres.
 _UNITS = {"um": "um", "nm": "nm", "deg": "deg", "percent": "%"}
@@ -24,16 +24,16 @@ def label(parameter: Parameter) -> str:
 
 
 def _property(parameter: Parameter) -> Any:
-    given = {"name": label(parameter), "description": parameter.help, "default": parameter.default}
+    given: dict[str, Any] = {"name": label(parameter), "description": parameter.help, "default": parameter.default}
     if isinstance(parameter.default, bool):
         return BoolProperty(**given)
     given |= {"min": parameter.minimum, "max": parameter.maximum}
     if isinstance(parameter.default, int):
-        return IntProperty(**{**given, "min": int(parameter.minimum), "max": int(parameter.maximum)})
+        return IntProperty(**{**given, "min": int(given["min"]), "max": int(given["max"])})
     return FloatProperty(**given, precision=3)
 
 
-def _group(preset: Preset) -> type:
+def _group(preset: Preset) -> type[bpy.types.PropertyGroup]:
     annotations = {parameter.name: _property(parameter) for parameter in preset.parameters}
     return type(
         f"DIFFRACTION_PG_preset_{preset.name}",
@@ -43,7 +43,7 @@ def _group(preset: Preset) -> type:
 
 
 #: A property group for each preset, by its name.
-GROUPS = {preset.name: _group(preset) for preset in PRESETS.values()}
+GROUPS: dict[str, type[bpy.types.PropertyGroup]] = {preset.name: _group(preset) for preset in PRESETS.values()}
 
 
 def all_parameters() -> dict[str, Any]:

@@ -14,11 +14,11 @@ ROOT = Path(__file__).resolve().parents[1]
 #: without its ending; what is named nowhere is a fault.
 FLOORS = {
     "precompute": (
-        ("constants", "errors", "old_names"),
+        ("constants", "errors", "faces", "old_names"),
         ("light", "files"),
         ("parameters",),
         ("scan",),
-        ("readers", "presets", "table"),
+        ("readers", "presets", "table", "paint"),
         ("bake",),
         ("evaluate", "sweep"),
         ("commands",),
@@ -26,8 +26,8 @@ FLOORS = {
         ("__main__", "__init__"),
     ),
     "addon": (
-        ("numbers", "paths", "shader_files", "versions"),
-        ("gpu_context", "jobs", "pictures"),
+        ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
+        ("gpu_context", "jobs", "pictures", "renderers"),
         ("tables",),
         ("materials",),
         ("viewport",),

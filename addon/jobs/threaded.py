@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
@@ -12,7 +12,7 @@ from . import progress
 from .job import Job
 
 
-def has_scan(cls: type, context: bpy.types.Context) -> bool:
+def has_scan(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether the scene has a scan; says on the button why not."""
     if not context.scene.diffraction.scan_path:
         cls.poll_message_set("Import a scan or use a preset first")
@@ -20,7 +20,13 @@ def has_scan(cls: type, context: bpy.types.Context) -> bool:
     return True
 
 
-class Threaded:
+if TYPE_CHECKING:
+    _Operator = bpy.types.Operator
+else:
+    _Operator = object
+
+
+class Threaded(_Operator):
     """Mixin of operators whose work is a list of jobs.
 
     An operator gives `title`, `jobs` and `finished`; panels and status bar show the progress.
@@ -28,8 +34,9 @@ class Threaded:
 
     title = "Working"
 
-    _jobs: list[Job]
-    _results: list[Any]
+    # Empty from the start: Blender cancels an operator also before it began, with its file browser.
+    _jobs: list[Job] = []
+    _results: list[Any] = []
     _timer = None
 
     def jobs(self, context: bpy.types.Context) -> list[Job]:
@@ -59,7 +66,6 @@ class Threaded:
 
     def invoke(self, context, event):
         """In a thread, with progress in panel and status bar."""
-        self.prepare(context)
         try:
             self._jobs, self._results = self.jobs(context), []
         except (DiffractionError, MemoryError) as error:
@@ -69,9 +75,6 @@ class Threaded:
         context.window_manager.modal_handler_add(self)
         self._show(context)
         return {"RUNNING_MODAL"}
-
-    def prepare(self, context) -> None:
-        """Called before a run from the panel; takes what the panel holds."""
 
     def modal(self, context, event):
         job = self._jobs[len(self._results)]
@@ -100,7 +103,9 @@ class Threaded:
             return self._fail(error)
 
     def cancel(self, context):
-        """Blender closes, or a file is loaded."""
+        """Blender closes, a file is loaded, or a file browser ends before anything began."""
+        if not self._jobs:
+            return
         for job in self._jobs:
             job.cancel()
         self._clear(context)
@@ -157,7 +162,7 @@ def redraw(context) -> None:
                 area.tag_redraw()
 
 
-def busy(cls: type) -> bool:
+def busy(cls: type[bpy.types.Operator]) -> bool:
     """Whether another job runs; says so on the button."""
     if progress.running() is not None:
         cls.poll_message_set("A bake or another computation is running; Esc stops it")

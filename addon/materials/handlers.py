@@ -9,7 +9,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.handlers import persistent
 
-from ..versions import working_space
+from ..colour_spaces import file_space
 from . import lights, material, setup
 
 _signatures: dict[int, tuple] = {}
@@ -26,7 +26,7 @@ def update_lamps(scene: bpy.types.Scene, force: bool = False) -> bool:
         return False
     signature = (
         lights.signature(scene),
-        working_space(),
+        file_space(),
         tuple(m.as_pointer() for m in materials),
     )
     key = scene.as_pointer()

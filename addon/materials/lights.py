@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -105,7 +106,9 @@ class InstancedLamp:
     @property
     def matrix_world(self) -> Matrix:
         """Where the instance stands."""
-        offset = Matrix.Translation(-Vector(self.instancer.instance_collection.instance_offset))
+        collection = self.instancer.instance_collection
+        assert collection is not None  # `lamp_objects` found the lamp in it
+        offset = Matrix.Translation(-Vector(collection.instance_offset))
         return self.instancer.matrix_world @ offset @ self.lamp.matrix_world
 
     def evaluated_get(self, depsgraph: bpy.types.Depsgraph) -> InstancedLamp:
@@ -113,13 +116,17 @@ class InstancedLamp:
         return InstancedLamp(self.lamp.evaluated_get(depsgraph), self.instancer.evaluated_get(depsgraph))
 
 
-def lamp_objects(scene: bpy.types.Scene) -> list[bpy.types.Object | InstancedLamp]:
+#: A lamp, or one in a collection that an empty shows.
+LampObject = bpy.types.Object | InstancedLamp
+
+
+def lamp_objects(scene: bpy.types.Scene) -> list[LampObject]:
     """The lamps that may light a render of the scene, in a stable order (by name, local before linked).
 
     Those in collections that empties show count too, one level deep.
     """
     objects = {ob for layer in scene.view_layers for ob in layer.objects if _shows(ob)}
-    lamps = [ob for ob in objects if ob.type == "LIGHT"]
+    lamps: list[LampObject] = [ob for ob in objects if ob.type == "LIGHT"]
     for ob in objects:
         if ob.instance_type == "COLLECTION" and ob.instance_collection is not None:
             inside = ob.instance_collection.all_objects
@@ -133,7 +140,7 @@ def scene_lamps(depsgraph: bpy.types.Depsgraph) -> list[Lamp]:
     return [describe(lamp.evaluated_get(depsgraph)) for lamp in lamp_objects(scene)[:LAMPS_MAX]]
 
 
-def describe(lamp: bpy.types.Object) -> Lamp:
+def describe(lamp: LampObject) -> Lamp:
     """A lamp object as the shaders see it."""
     light, world = lamp.data, lamp.matrix_world
     size = [getattr(light, path) for path in _size_paths(light)] + [0.0]
@@ -166,13 +173,13 @@ def _shape_of(light: bpy.types.Light) -> tuple:
     return light.name_full, light.type, getattr(light, "shape", "")
 
 
-def too_many(lamps: list[bpy.types.Object], limit: int = LAMPS_MAX) -> str:
+def too_many(lamps: Sequence[LampObject], limit: int = LAMPS_MAX) -> str:
     """The warning for more lamps than a material can follow."""
     left_out = ", ".join(lamp.name for lamp in lamps[limit:][:3])
     return f"{len(lamps)} lamps, but a material follows {limit}: {left_out} and further ones are not diffracted"
 
 
-def bind(node: bpy.types.Node, lamps: list[bpy.types.Object | InstancedLamp]) -> None:
+def bind(node: bpy.types.Node, lamps: Sequence[LampObject]) -> None:
     """Make the lamp sockets of a shader node or group follow the lamps.
 
     Drivers copy single values (type SUM, no expression) or use a simple expression, so that they run
@@ -208,7 +215,7 @@ def bind(node: bpy.types.Node, lamps: list[bpy.types.Object | InstancedLamp]) ->
             _copy(node.inputs[prefix + "Size"], axis, lamp.data, path)
 
 
-def _follow(socket: bpy.types.NodeSocket, axis: int, lamp: bpy.types.Object | InstancedLamp, column: int) -> None:
+def _follow(socket: bpy.types.NodeSocket, axis: int, lamp: LampObject, column: int) -> None:
     """One component of a column of a lamp's world matrix."""
     if not isinstance(lamp, InstancedLamp):
         _copy(socket, axis, lamp, f"matrix_world[{column}][{axis}]")
@@ -216,7 +223,8 @@ def _follow(socket: bpy.types.NodeSocket, axis: int, lamp: bpy.types.Object | In
     # A row of the empty's matrix times the column of the lamp's: an expression simple enough to run without Python.
     driver = socket.driver_add("default_value", axis).driver
     driver.type = "SCRIPTED"
-    offset = lamp.instancer.instance_collection.instance_offset if column == 3 else (0.0, 0.0, 0.0)
+    collection = lamp.instancer.instance_collection
+    offset = collection.instance_offset if column == 3 and collection is not None else (0.0, 0.0, 0.0)
     terms = []
     for k, shift in enumerate(offset):
         _variable(driver, lamp.instancer, f"matrix_world[{k}][{axis}]", f"e{k}")

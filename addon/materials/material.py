@@ -4,19 +4,22 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import bpy
 
 from ...precompute.errors import ParameterError, TableError
-from ...precompute.light.colour import xyz_to_rgb_matrix
+from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
+from ...precompute.light.illuminant import to_json
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import SpectralTable, read_sidecar
-from .. import paths
-from ..versions import give_nodes, tells_mirrored_uv, working_space
+from .. import colour_spaces, paths
+from ..colour_spaces import working_space
+from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, lights, nodes_twin, osl, script_node, setup, travel
 
 #: Name of the node that holds a material's diffraction.
@@ -82,7 +85,7 @@ class Settings:
     environment: int = 1
 
 
-def is_ours(material: bpy.types.Material | None) -> bool:
+def is_ours(material: bpy.types.Material | None) -> TypeGuard[bpy.types.Material]:
     """Whether a material renders a table."""
     return material is not None and TABLE_KEY in material
 
@@ -92,8 +95,8 @@ def any_ours() -> bool:
     return any(TABLE_KEY in material for material in bpy.data.materials)
 
 
-def shader_node(material: bpy.types.Material) -> bpy.types.Node | None:
-    """The node of a material that holds the sockets of the diffraction."""
+def shader_node(material: bpy.types.Material) -> Any:
+    """The node of a material that holds the sockets of the diffraction; None where there is none."""
     return material.node_tree.nodes.get(NODE) if material.node_tree else None
 
 
@@ -119,7 +122,7 @@ def atlas_image(path: Path) -> bpy.types.Image:
     else:
         image = bpy.data.images.load(str(path), check_existing=False)
     image.name = path.stem
-    image.colorspace_settings.name = "Non-Color"
+    colour_spaces.set_data(image)
     image.alpha_mode = "NONE"
     image.use_fake_user = True
     image.filepath = paths.relative(path)
@@ -141,7 +144,7 @@ def importance_image(path: Path, atlas_sha256: str) -> tuple[bpy.types.Image, fl
 
 
 def apply(
-    material: bpy.types.Material, table: str | Path, settings: Settings, lamps: list[bpy.types.Object]
+    material: bpy.types.Material, table: str | Path, settings: Settings, lamps: Sequence[lights.LampObject]
 ) -> bpy.types.Material:
     """Make a material diffract: a fresh one, one with a shader of its own (kept underneath), or one of ours.
 
@@ -186,14 +189,14 @@ def apply(
     node.label = f"Diffraction: {path.stem}"
     _connect(material, node, settings)
     set_settings(node, settings)
-    set_working_space(node, sidecar["colour"]["illuminant"])
+    light = table_light(sidecar["colour"])
+    set_working_space(node, light)
     lights.bind(node, lamps)
 
     material[TABLE_KEY] = image.filepath
     travel.attach(material, image, directions, sidecar["atlas"]["sha256"])
     travel.sync(material)
-    light = sidecar["colour"]["illuminant"]
-    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(light)
+    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(to_json(light))
     setup.prepare_material(material)
     return material
 

@@ -12,6 +12,8 @@ is no environment.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import Any
 
 import bpy
 
@@ -59,7 +61,7 @@ _INPUTS: dict[str, tuple[str, object]] = {
 
 def build(
     name: str, image: bpy.types.Image, layout: TableLayout, albedo_max: float, fresnel: str, conserve: bool,
-    lamps: list[bpy.types.Object],
+    lamps: Sequence[lights.LampObject],
 ) -> bpy.types.NodeTree:  # fmt: skip
     """Build (or rebuild in place) the group of a material.
 
@@ -129,13 +131,13 @@ class _Surface:
         products with M's columns, the images of the axes. (Vector Transform itself treats normals as directions.)
         """
         graph, given = self.graph, self._in[name]
-        total: Value = (0.0, 0.0, 0.0)
+        total: Any = (0.0, 0.0, 0.0)
         for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-            column = graph.add(
+            turned = graph.add(
                 "ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD"
             )
-            graph.put(column.inputs[0], axis)
-            column = column.outputs[0]
+            graph.put(turned.inputs[0], axis)
+            column = turned.outputs[0]
             total = graph.vector("ADD", total, graph.scaled(column, graph.scalar("DOT_PRODUCT", given, column)))
         return total
 
@@ -209,7 +211,7 @@ class _Surface:
         self.graph.put(node.inputs[1], b)
         return node.outputs[0]
 
-    def emitted(self, colour: Socket) -> Socket:
+    def emitted(self, colour: Value) -> Socket:
         """A closure that shows a colour."""
         node = self.graph.add("ShaderNodeEmission")
         self.graph.put(node.inputs["Color"], colour)

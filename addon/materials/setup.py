@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 
 import bpy
 
 from ..versions import EEVEE
+from .lights import LampObject
 
 #: Custom property of scenes, lamps and materials that holds what was there before.
 BEFORE = "diffraction_before"
@@ -22,7 +24,7 @@ def take_up(scene: bpy.types.Scene) -> None:
         del scene[HANDS_OFF]
 
 
-def prepare_scene(scene: bpy.types.Scene, lamps: list[bpy.types.Object], needs_osl: bool = True) -> list[str]:
+def prepare_scene(scene: bpy.types.Scene, lamps: Sequence[LampObject], needs_osl: bool = True) -> list[str]:
     """Set what Cycles needs and say what was changed, one sentence without a full stop each.
 
     * OSL on (CPU and OptiX), where a material has it;

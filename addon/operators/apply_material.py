@@ -7,10 +7,10 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
-from .. import paths, properties
+from .. import paths, properties, renderers
+from ..given import take
 from ..materials import lights, material, setup
 from ..versions import give_nodes, limits
-from .from_panel import take
 
 _FROM_PANEL = (
     "implementation",
@@ -26,6 +26,16 @@ _FROM_PANEL = (
 )
 
 
+#: Kinds of data that a material is made of.
+_KINDS = ("materials", "texts", "images", "node_groups")
+
+#: Of a Blender that cannot.
+NO_OSL = (
+    "This Blender was built without Open Shading Language: set Implementation to Nodes or Automatic, or take a Blender"
+    " from blender.org."
+)
+
+
 class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     """Make the selected objects diffract; a material they have stays underneath as pigment"""
 
@@ -34,7 +44,10 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     implementation: EnumProperty(
-        name="Implementation", description="What renders the material", items=properties.IMPLEMENTATION_ITEMS
+        name="Implementation",
+        description="What renders the material",
+        items=properties.IMPLEMENTATION_ITEMS,
+        default="AUTO",
     )
     fresnel: EnumProperty(
         name="Fresnel",
@@ -56,6 +69,11 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         name="Environment", description="Random mirrors a sample for world, emitters and bounce light; 0: lamps only",
         default=1, min=0, max=8,
     )  # fmt: skip
+    own_copy: BoolProperty(
+        name="Own Copy",
+        description="Leave a diffraction material that other objects share as it is, and change a copy of it",
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
@@ -67,13 +85,16 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             return False
         return True
 
-    def invoke(self, context, event):
-        take(self, context, _FROM_PANEL)
-        return self.execute(context)
-
     def execute(self, context):
+        take(self, context.scene.diffraction, _FROM_PANEL)
+        implementation, why = self.implementation, ""
+        if implementation == "AUTO":
+            implementation, why = renderers.choose(context.scene)
+        elif implementation == "OSL" and not renderers.has_osl():
+            self.report({"ERROR"}, NO_OSL)
+            return {"CANCELLED"}
         settings = material.Settings(
-            implementation=self.implementation,
+            implementation=implementation,
             fresnel=self.fresnel,
             ior=self.ior,
             conserve_energy=self.conserve_energy,
@@ -91,17 +112,25 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
         try:
-            made = {}
-            for ob in context.selected_objects:
-                if _takes_material(ob):
-                    _give(ob, table, settings, lamps, made)
+            targets = [ob for ob in context.selected_objects if _takes_material(ob)]
+            shared = _shared(targets)
+            copied = shared if self.own_copy else {}
+            made = _make(targets, copied, table.stem, lambda new: material.apply(new, table, settings, lamps))
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         finally:
             manager.progress_end()
-        notes = setup.prepare_scene(context.scene, lamps, self.implementation == "OSL")
-        self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
+        for ob in targets:
+            _give(ob, made[ob.active_material])
+        notes = setup.prepare_scene(context.scene, lamps, implementation == "OSL")
+        name = {"OSL": "OSL", "NODES": "Nodes"}[implementation]
+        chosen = f"{len(made)} material{'s' * (len(made) != 1)} set up with {name}" + (
+            f", because {why}" if why else ""
+        )
+        self.report({"INFO"}, ". ".join([chosen, *notes]))
+        for each, others in shared.items() if not self.own_copy else ():
+            self.report({"WARNING"}, _changed_too(each, others))
         if not lamps and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
         for sentence in limits():
@@ -116,23 +145,52 @@ def _takes_material(ob: bpy.types.Object) -> bool:
     return ob.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"} and ob.is_editable and ob.data.is_editable
 
 
-def _give(ob, table, settings, lamps, made) -> None:
-    """Set an object's active material up; objects that shared one share the new one."""
-    old = ob.active_material
-    if old not in made:
-        if material.is_ours(old) and old.is_editable:
-            new = old
-        elif old is not None:
-            new = old.copy()
-            new.name = f"{old.name} diffraction"
-        else:
-            new = bpy.data.materials.new(f"Diffraction {table.stem}")
-            give_nodes(new).nodes.clear()
-        made[old] = material.apply(new, table, settings, lamps)
+def _shared(targets: list[bpy.types.Object]) -> dict[bpy.types.Material, list[bpy.types.Object]]:
+    """Materials of ours that will change in place, with the objects beside the selected ones that show them."""
+    found = {}
+    for each in {ob.active_material for ob in targets}:
+        if material.is_ours(each) and each.is_editable:
+            data = {ob.data for ob in targets}
+            others = [
+                ob for ob in bpy.data.objects
+                if ob not in targets and ob.data not in data and any(s.material == each for s in ob.material_slots)
+            ]  # fmt: skip
+            if others:
+                found[each] = others
+    return found
+
+
+def _changed_too(each: bpy.types.Material, others: list[bpy.types.Object]) -> str:
+    names = others[0].name if len(others) == 1 else f"{others[0].name} and {len(others) - 1} more"
+    return f"{names} share{'s' * (len(others) == 1)} {each.name} and changed too; Own Copy below keeps them apart"
+
+
+def _make(targets, copied, stem, apply) -> dict:
+    """New materials by old ones: objects that shared one share the new one. Where it fails nothing is left behind."""
+    before = {kind: set(getattr(bpy.data, kind)) for kind in _KINDS}
+    made = {}
+    try:
+        for old in dict.fromkeys(ob.active_material for ob in targets):
+            if material.is_ours(old) and old.is_editable and old not in copied:
+                new = old
+            elif old is not None:
+                new = old.copy()
+                new.name = old.name if material.is_ours(old) else f"{old.name} diffraction"
+            else:
+                new = bpy.data.materials.new(f"Diffraction {stem}")
+                give_nodes(new).nodes.clear()
+            made[old] = apply(new)
+    except Exception:
+        bpy.data.batch_remove([each for kind in _KINDS for each in set(getattr(bpy.data, kind)) - before[kind]])
+        raise
+    return made
+
+
+def _give(ob: bpy.types.Object, new: bpy.types.Material) -> None:
     if ob.material_slots:
-        ob.active_material = made[old]
+        ob.active_material = new
     else:
-        ob.data.materials.append(made[old])
+        ob.data.materials.append(new)
 
 
 class DIFFRACTION_OT_restore_settings(bpy.types.Operator):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import bpy
 
@@ -134,7 +135,7 @@ class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):
         self.layout.operator("diffraction.restore_settings", icon="LOOP_BACK")
 
 
-def _active(context: bpy.types.Context) -> bpy.types.Material | None:
+def _active(context: bpy.types.Context) -> Any:
     return context.object.active_material if context.object is not None else None
 
 

@@ -6,9 +6,8 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import bpy
-
 from ...precompute.parameters import BakeParameters
+from ..given import is_given
 from ..numbers import decimal
 from . import light_file
 
@@ -62,7 +61,7 @@ def levelling(owner: Any) -> dict[str, Any]:
 def copy(source: Any, target: Any, only_unset: bool = False) -> None:
     """Copy `FIELDS` from one owner to another, or only those that the target was not given."""
     for name in FIELDS:
-        if not (only_unset and target.properties.is_property_set(name, ghost=False)):
+        if not (only_unset and is_given(target, name)):
             value = _plain(getattr(source, name))
             if _plain(getattr(target, name)) != value:
                 setattr(target, name, value)
@@ -91,7 +90,7 @@ def recall(values: dict[str, Any], owner: Any) -> None:
                 continue
 
 
-def changed(recipe: str, state: bpy.types.PropertyGroup) -> list[str]:
+def changed(recipe: str, state: Any) -> list[str]:
     """Labels of what differs between a table's recipe and the panel; empty where all is as it was baked.
 
     Parameters

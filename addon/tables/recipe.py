@@ -21,7 +21,7 @@ from . import bake_settings
 KEY = "diffraction_recipe"
 
 
-def make(state: bpy.types.PropertyGroup) -> str:
+def make(state: Any) -> str:
     """The recipe of the table that the scene's scan and settings give, as JSON."""
     return json.dumps(
         {

@@ -69,7 +69,9 @@ def gather(
         mirrored = matrix.is_negative
         for orient in {orientations[uid] for uid in used.values() if uid in ours}:
             mesh = meshes.get(ob, owner, orient, key)
-            for index, batch in mesh.batches.items() if mesh is not None else ():
+            if mesh is None:
+                continue
+            for index, batch in mesh.batches.items():
                 uid = used.get(min(index, max(used)))
                 if uid in ours and orientations[uid] == orient:
                     found.append(Item(ours[uid], matrix, mirrored, mesh, batch))

@@ -20,6 +20,7 @@ from ..scan.heightfield import HeightField
 
 if TYPE_CHECKING:
     from ..table.cache import TableCache
+    from ..table.table import SpectralTable
 
 
 def number(text: str) -> float:
@@ -186,6 +187,26 @@ def add_directions(parser: argparse.ArgumentParser) -> None:
             metavar=("THETA", "PHI"),
             help=f"direction towards the {target}: polar angle and azimuth in degrees",
         )
+
+
+def add_scaling(parser: argparse.ArgumentParser) -> None:
+    """--scale, --depth and --rotation of a painted surface."""
+    parser.add_argument("--scale", type=number, default=1.0, metavar="S", help="period over the one baked")
+    parser.add_argument("--depth", type=number, default=1.0, metavar="Q", help="depth over the one baked")
+    parser.add_argument("--rotation", type=number, default=0.0, metavar="A", help="degrees, from tangent to bitangent")
+
+
+def scaled(args: argparse.Namespace, table: SpectralTable) -> tuple[Any, dict[str, Any]]:
+    """The table as `add_scaling` says, and what the result must say about it."""
+    if (args.scale, args.depth, args.rotation) == (1.0, 1.0, 0.0):
+        return table, {}
+    from ..evaluate.scaled import ScaledTable
+
+    changed = ScaledTable(table, args.scale, args.depth, math.radians(args.rotation))
+    note: dict[str, Any] = {"scale": args.scale, "depth": args.depth, "rotation_deg": args.rotation}
+    if changed.beyond:
+        note["note"] = "A scale or depth above 1 passes the rim of the table, whose last values are taken there."
+    return changed, note
 
 
 def direction(angles_deg: list[float]) -> np.ndarray:

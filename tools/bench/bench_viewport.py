@@ -7,7 +7,8 @@ A full-screen triangle shades every pixel with one light: by the table, by a sha
 wavelengths, the Taylor terms that the heights need, and a window of 3 x 3 bins, as it stood at commit f889080. Both are
 held against the reference evaluator at random pixels. Then the sample scene, and what a mesh that deforms and 300
 objects add to a redraw, beside a floor (viewport_cost.py). On a software renderer all times are of the processor, all
-threads together: other work on the machine hardly changes them. The result is merged into out/bench.json under "viewport".
+threads together: other work on the machine hardly changes them. The result is merged into out/bench.json under
+"viewport".
 """
 
 import argparse

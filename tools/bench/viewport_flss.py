@@ -125,7 +125,8 @@ def albedo_texture(table):
     from diffraction_shader.addon.viewport.data.blocks import buffer
 
     layout = table.layout
-    tile = np.ascontiguousarray(table.atlas[layout.albedo_y :, : layout.n_theta, 0], np.float32)
+    last = layout.albedo_y + layout.n_albedo_phi + 2
+    tile = np.ascontiguousarray(table.atlas[layout.albedo_y : last, : layout.n_theta, 0], np.float32)
     texture = gpu.types.GPUTexture((layout.n_theta, layout.n_albedo_phi + 2), format="R32F", data=buffer(tile))
     smooth_lookups(texture)
     return texture

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside the window's Blender: what lies under the mouse, what the screen shows, what the mouse and keys do.
+
+A button is found as a user finds it, by pointing at it. Blender then tells what it would do: its context menu offers
+*Copy Python Command* for the button of an operator and *Copy Full Data Path* for that of a property.
+"""
+
+import json
+import re
+import sys
+
+import bpy
+
+
+def window(number=0):
+    return bpy.context.window_manager.windows[number]
+
+
+def area(kind="VIEW_3D", number=0):
+    return next(each for each in window(number).screen.areas if each.type == kind)
+
+
+def region(kind="VIEW_3D", name="UI", number=0):
+    return next(each for each in area(kind, number).regions if each.type == name)
+
+
+def within(kind="VIEW_3D", name="UI", number=0):
+    return bpy.context.temp_override(window=window(number), area=area(kind, number), region=region(kind, name, number))
+
+
+def rectangle(kind="VIEW_3D", name="UI", number=0):
+    """Left, bottom, width and height in pixels of the window."""
+    found = region(kind, name, number)
+    return [found.x, found.y, found.width, found.height]
+
+
+def send(kind, value, x, y, number=0, **more):
+    window(number).event_simulate(type=kind, value=value, x=int(x), y=int(y), **more)
+
+
+def under(kind="VIEW_3D", name="UI", number=0):
+    """The command or the data path of the button under the mouse; empty where there is none."""
+    manager = bpy.context.window_manager
+    calls = ((bpy.ops.ui.copy_python_command_button, {}), (bpy.ops.ui.copy_data_path_button, {"full_path": True}))
+    with within(kind, name, number):
+        for call, options in calls:
+            manager.clipboard = ""
+            if call.poll():
+                try:
+                    call(**options)
+                except RuntimeError:
+                    continue
+            if manager.clipboard:
+                return manager.clipboard
+    return ""
+
+
+def shot(path, number=0):
+    with bpy.context.temp_override(window=window(number)):
+        bpy.ops.screen.screenshot(filepath=path)
+
+
+def show_tab(name="Diffraction", number=0):
+    """The sidebar's tab, as a click on it would choose it."""
+    area("VIEW_3D", number).spaces.active.show_region_ui = True
+    region("VIEW_3D", "UI", number).active_panel_category = name
+
+
+_sweep = {"todo": [], "at": None, "found": [], "where": (), "until": ""}
+
+
+def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.72):
+    """Where to point in a region: from top to bottom, or from a height outwards."""
+    left, bottom, width, height = rectangle(kind, name, number)
+    rows = list(range(bottom + height - 12, bottom + 4, -step))
+    if begin is not None:
+        rows = [begin, *sorted(rows, key=lambda y: abs(y - begin))]
+    return [(left + int(width * share), y) for y in rows]
+
+
+def sweep(kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+    """Point at a region, till something is found whose text matches a pattern; `swept` tells what was."""
+    _sweep.update(
+        todo=places(kind, name, number, begin), at=None, found=[], where=(kind, name, number), until=until
+    )  # fmt: skip
+    bpy.app.timers.register(_sweep_on, first_interval=0.01)
+
+
+def _sweep_on():
+    if _sweep["at"] is not None:
+        text = under(*_sweep["where"])
+        if text:
+            _sweep["found"].append([text, *_sweep["at"]])
+            if _sweep["until"] and re.search(_sweep["until"], text):
+                return None
+    _sweep["at"] = _sweep["todo"].pop(0) if _sweep["todo"] else None
+    if _sweep["at"] is None:
+        return None
+    send("MOUSEMOVE", "NOTHING", *_sweep["at"], number=_sweep["where"][2])
+    return 0.02
+
+
+def swept():
+    """Commands and data paths with their places, as JSON; empty while the mouse still moves."""
+    return "" if bpy.app.timers.is_registered(_sweep_on) else json.dumps(_sweep["found"])
+
+
+_drawn = set()
+
+
+def watch_panels():
+    """Note which panels draw their bodies: those that are open."""
+    for name in dir(bpy.types):
+        cls = getattr(bpy.types, name)
+        if name.startswith("DIFFRACTION_PT_") and not hasattr(cls.draw, "watched"):
+            cls.draw = _watched(name, cls.draw)
+
+
+def _watched(name, draw):
+    def draw_and_note(self, context):
+        _drawn.add(name)
+        return draw(self, context)
+
+    draw_and_note.watched = True
+    return draw_and_note
+
+
+def drawn():
+    """Panels that have drawn since the last call."""
+    found = sorted(_drawn)
+    _drawn.clear()
+    return json.dumps(found)
+
+
+def addon(name):
+    """A module of the extension, by the end of its name."""
+    return next(module for key, module in sys.modules.items() if key.endswith(f"diffraction_shader.addon.{name}"))
+
+
+def busy():
+    """Whether the extension computes something."""
+    return addon("jobs.progress").running() is not None
