@@ -152,7 +152,7 @@ class Renderer:
             bound = shader = None
             facing = ""
             for item in listing.items:
-                if item.material != bound:
+                if shader is None or item.material != bound:
                     bound = item.material
                     shader = self._bind(bound, view, shared, any(listing.ambient))
                     shader.uniform_block("df_frame", rows)
@@ -186,8 +186,9 @@ class Renderer:
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
             shader.uniform_sampler("df_albedo", table.albedo)
-        if "TURNED" in flags:
-            shader.uniform_sampler("df_angle", gpu.texture.from_image(orientation.angle_image(shaded)[0]))
+        turned = orientation.angle_image(shaded)
+        if turned is not None:
+            shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
         if view.method == "FLSS":
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)

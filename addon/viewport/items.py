@@ -58,9 +58,10 @@ def gather(
         place = ob.as_pointer()
         if place not in known:
             known[place] = _of_ours(ob, ours)
-        if known[place] is None:
+        ours_of = known[place]
+        if ours_of is None:
             continue
-        used, key = known[place]
+        used, key = ours_of
         parent = instance.parent if instance.is_instance else None
         owner = ob if parent is None else parent
         if not visible(owner.original):

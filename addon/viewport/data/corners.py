@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from .orientation import Orientation
-from .topology import Topologies, Topology, attribute, read
+from .topology import Topologies, Topology, alike, attribute, read
 
 
 @dataclass
@@ -45,7 +45,8 @@ def of(mesh: bpy.types.Mesh, orientation: Orientation, topologies: Topologies) -
     if not len(mesh.loop_triangles):
         return None
     topology = topologies.of(mesh)
-    vertices = attribute(mesh, "position", "vector", np.float32).reshape(-1, 3)
+    position = attribute(mesh, "position", "vector", np.float32)
+    vertices = position.reshape(-1, 3) if position is not None else read(mesh.vertices, "co", 3)
     normals = read(mesh.corner_normals, "vector", 3)
     places = vertices[topology.corner_vertex]
     triangles = topology.cut(mesh, places)
@@ -73,9 +74,9 @@ def _picture_uv(mesh: bpy.types.Mesh, topology: Topology) -> np.ndarray:
         uv = np.zeros((len(topology.corner_vertex), 2), np.float32)
     else:
         uv = read(layer.uv, "vector", 2)
-    if topology.picture_uv is None or not np.array_equal(uv, topology.picture_uv):
+    if not alike(topology.picture_uv, uv):
         topology.picture_uv, topology.picture_buffer = uv, None
-    return topology.picture_uv
+    return uv
 
 
 def _tangent_layer(mesh: bpy.types.Mesh, orientation: Orientation):
@@ -126,7 +127,7 @@ def _mikk(mesh: bpy.types.Mesh, layer, topology: Topology) -> np.ndarray:
         tangents = np.empty((len(topology.corner_vertex), 4), np.float32)
         tangents[:, :3] = read(mesh.loops, "tangent", 3)
         # Signs follow the UV alone, and cost as much to read as the tangents.
-        if topology.signs is None or not np.array_equal(uv, topology.tangent_uv):
+        if topology.signs is None or not alike(topology.tangent_uv, uv):
             topology.tangent_uv, topology.signs = uv, read(mesh.loops, "bitangent_sign", 1).ravel()
     finally:
         mesh.free_tangents()

@@ -51,15 +51,13 @@ class Topology:
         return (
             np.array_equal(self.corner_vertex, corner_vertex)
             and np.array_equal(self.triangle_face, triangle_face)
-            and (slots is None) == (self.slots is None)
-            and (slots is None or np.array_equal(slots, self.slots))
+            and alike(self.slots, slots)
         )
 
     def cut(self, mesh: bpy.types.Mesh, places: np.ndarray) -> dict[int, np.ndarray]:
         """The triangles for these places of the corners; those known already where no quad folds the other way."""
         diagonals = self._diagonals(places)
-        known = self.triangles and diagonals is not None and self.diagonals is not None
-        if known and np.array_equal(diagonals, self.diagonals):
+        if self.triangles and diagonals is not None and alike(self.diagonals, diagonals):
             return self.triangles
         corners = read(mesh.loop_triangles, "loops", 3, np.int32)
         if self.slots is None:
@@ -110,15 +108,20 @@ class Topologies:
         slots = attribute(mesh, "material_index", "value", np.int32)
         if slots is not None and not slots.any():
             slots = None
-        alike = self._held.setdefault((len(corner_vertex), len(triangle_face)), weakref.WeakSet())
-        for known in alike:
+        same_sizes = self._held.setdefault((len(corner_vertex), len(triangle_face)), weakref.WeakSet())
+        for known in same_sizes:
             if known.same(corner_vertex, triangle_face, slots):
                 return known
         made = Topology(corner_vertex, triangle_face, slots)
-        alike.add(made)
+        same_sizes.add(made)
         if len(self._held) > 64:
             self._held = {key: kept for key, kept in self._held.items() if len(kept)}
         return made
+
+
+def alike(a: np.ndarray | None, b: np.ndarray | None) -> bool:
+    """Whether both are missing or hold the same."""
+    return b is None if a is None else b is not None and np.array_equal(a, b)
 
 
 def attribute(mesh: bpy.types.Mesh, name: str, field_name: str, dtype: type) -> np.ndarray | None:
@@ -127,13 +130,13 @@ def attribute(mesh: bpy.types.Mesh, name: str, field_name: str, dtype: type) -> 
     if found is None:
         return None
     width = 3 if field_name == "vector" else 1
-    values = np.empty(len(found.data) * width, dtype)
+    values: np.ndarray = np.empty(len(found.data) * width, dtype)
     found.data.foreach_get(field_name, values)
     return values
 
 
 def read(collection, name: str, width: int, dtype: type = np.float32) -> np.ndarray:
     """``(n, width)`` values of a property."""
-    values = np.empty(len(collection) * width, dtype)
+    values: np.ndarray = np.empty(len(collection) * width, dtype)
     collection.foreach_get(name, values)
     return values.reshape(-1, width)
