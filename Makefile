@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Every target sets up what it needs in .venv; nothing outside this folder is touched.
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-4.5 demo test test-slow test-thorough test-4.5 fuzz bench lint types docs build clean
+.PHONY: help setup setup-4.5 demo test test-slow test-thorough test-4.5 fuzz bench lint types docs build release clean
 
 VENV := .venv
 PY := $(VENV)/bin/python
@@ -22,7 +22,8 @@ help:
 	@echo "make bench      times, memory and accuracy of a bake"
 	@echo "make lint       ruff check and format; make types: mypy on precompute/ and addon/"
 	@echo "make docs       the pictures of docs/"
-	@echo "make build      the extension, one zip a platform, in dist/"
+	@echo "make build      the extension, one zip a platform and Python of Blender, in dist/"
+	@echo "make release    the same, and the index that Blender's remote repositories read"
 
 setup: $(READY)
 
@@ -83,6 +84,9 @@ docs: $(READY)
 
 build: $(READY)
 	@$(PY) tools/build/build_extension.py --platform all
+
+release: $(READY)
+	@$(PY) tools/build/release.py
 
 clean:
 	rm -rf $(VENV) $(VENV45) out dist build wheels

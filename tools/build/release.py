@@ -100,8 +100,8 @@ def main():
     print(f"{arguments.out / 'index.json'}  what Blender's remote repositories read, once a server shows the folder")
     if any(read_changelog().unreleased.values()):
         print(
-            f"CHANGELOG.md lists changes under [Unreleased], but these zips, which hold them, are {manifest['version']}. "
-            "Before you publish give them a version and a date, the same in pyproject.toml and blender_manifest.toml."
+            f"CHANGELOG.md lists changes under [Unreleased], and these zips hold them as {manifest['version']}. Before"
+            " you publish, give them a version and a date, and it to pyproject.toml and blender_manifest.toml."
         )
 
 
