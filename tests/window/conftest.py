@@ -62,6 +62,16 @@ def desk(work):
         driver.quit()
 
 
+@pytest.fixture(scope="session")
+def enabled(desk, zipped):
+    """The window with the extension installed from disk, its tab open."""
+    options = f"filepath={str(zipped)!r}, repo='user_default', enable_on_install=True"
+    desk.run(f"bpy.ops.extensions.package_install_files({options})")
+    assert desk.look("[a.module for a in bpy.context.preferences.addons if 'diffraction' in a.module]")
+    desk.open_sidebar()
+    return desk
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
     """A picture of what the screen showed when a test failed."""
