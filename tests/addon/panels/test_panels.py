@@ -189,7 +189,7 @@ def test_while_baking(project):
     progress.show("Baking: transforms", 0.42, "diffraction.bake")
     try:
         # In the place of its own button, so that nothing jumps.
-        assert "Baking: transforms, Esc stops" in shown("bake") and "diffraction.bake" not in shown("bake")
+        assert "Baking: transforms, Esc stops" in shown("bake") and '"draw_string": "Bake"' not in shown("bake")
         for name in ("main", "levelling", "scan"):
             assert "Esc stops" not in shown(name)
         for operator in ("bake", "preview_levelling", "make_preset", "import_scan", "use_stored_scan", "reflectance"):
@@ -580,7 +580,9 @@ def test_reading_a_scan_and_making_a_structure_can_be_stopped(project, tmp_path)
         size_um=(0.0, 0.0), height_nm=0.0, flip_x=True, flip_y=False, turn="0", channel="", filepath=str(source),
         trust_units=False,
     )  # fmt: skip
-    making = given(make_preset.DIFFRACTION_OT_make_preset, preset="sinusoid", size_um=8.0, pixels=64, period_um=1.5)
+    making = given(
+        make_preset.DIFFRACTION_OT_make_preset, preset="sinusoid", size_um=8.0, pixels=64, period_um=1.5, look=False
+    )
     for operator, name in ((reading, "own"), (making, "sinusoid")):
         (job,) = operator.jobs(bpy.context)
         job.cancel()
