@@ -189,6 +189,9 @@ def apply(
     node.label = f"Diffraction: {path.stem}"
     _connect(material, node, settings)
     set_settings(node, settings)
+    for name in ("Fresnel", "IOR", "ConductorN", "ConductorK"):  # the table holds what they would say
+        node.inputs[name].hide = layout.holds_reflectance
+    node.inputs["LacquerRoughness"].hide = layout.index == 1.0
     light = table_light(sidecar["colour"])
     set_working_space(node, light)
     lights.bind(node, lamps)

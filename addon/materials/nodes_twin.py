@@ -47,6 +47,7 @@ _INPUTS: dict[str, tuple[str, object]] = {
     "IOR": (_NUMBER, 1.5),
     "ConductorN": (_VECTOR, (1.35, 0.95, 0.61)),
     "ConductorK": (_VECTOR, (7.47, 6.54, 5.47)),
+    "LacquerRoughness": (_NUMBER, 0.05),
     "DiffuseLimit": (_NUMBER, 1.0),
     "Cone": (_NUMBER, 0.1),
     # Built in rather than read; they stand here for whoever asks a material what it is.
@@ -90,7 +91,8 @@ def build(
         sockets |= {f"Lamp{number}{each}": (_VECTOR, None) for each in ("Place", "AxisU", "AxisV", "Size")}
         sockets[f"Lamp{number}Kind"] = ("NodeSocketInt", 0)
     interface(tree, sockets, {"BSDF": _SHADER, "EEVEE": _SHADER})
-    surface = _Surface(Graph(tree), table, albedo, fresnel)
+    reflectance = node_lookup.reflectance(stem, layout, texels) if layout.holds_reflectance else None
+    surface = _Surface(Graph(tree), table, albedo, fresnel, reflectance, layout.index)
     cycles, eevee = surface.base(), surface.base()
     seen: Value = (0.0, 0.0, 0.0)
     for number, lamp in enumerate(lamps, 1):
@@ -108,9 +110,18 @@ class _Surface:
     """The nodes that all lamps share, and those of one lamp."""
 
     def __init__(
-        self, graph: Graph, table: bpy.types.NodeTree, albedo: bpy.types.NodeTree | None, fresnel: str
+        self,
+        graph: Graph,
+        table: bpy.types.NodeTree,
+        albedo: bpy.types.NodeTree | None,
+        fresnel: str,
+        reflectance: bpy.types.NodeTree | None = None,
+        index: float = 1.0,
     ) -> None:
-        self.graph, self._table, self._albedo, self._fresnel = graph, table, albedo, fresnel
+        self.graph, self._table, self._albedo = graph, table, albedo
+        # What the table holds is not multiplied in once more.
+        self._fresnel = fresnel if reflectance is None else "NONE"
+        self._kept, self._index = reflectance, index
         self._in = graph.add("NodeGroupInput").outputs
         geometry = graph.add("ShaderNodeNewGeometry")
         self._viewer, self._position = geometry.outputs["Incoming"], geometry.outputs["Position"]
@@ -195,14 +206,41 @@ class _Surface:
         return graph.product(graph.sum(rs, rp), 0.5)
 
     def base(self) -> Socket:
-        """The pigment, weighted by 1 - R at the view angle."""
-        reflectance = self._reflectance(self._cos_r)
+        """The pigment, weighted by 1 - R at the view angle, and the mirror of a lacquer's outer face."""
+        reflectance: Value = self._reflectance(self._cos_r)
+        if self._kept is not None:
+            xyz = self.graph.group(self._kept, Cosine=self._cos_r).outputs["XYZ"]
+            rows = [self.graph.scalar("DOT_PRODUCT", self._in[name], xyz) for name in ("ToRed", "ToGreen", "ToBlue")]
+            rows = [self.graph.clamp(row, 0.0, 1.0) for row in rows]
+            reflectance = self.graph.product(self.graph.sum(self.graph.sum(rows[0], rows[1]), rows[2]), 1.0 / 3.0)
         if isinstance(reflectance, bpy.types.NodeSocket) and reflectance.type == "VECTOR":
             reflectance = self.graph.product(self.graph.scalar("DOT_PRODUCT", reflectance, (1.0, 1.0, 1.0)), 1.0 / 3.0)
         node = self.graph.add("ShaderNodeMixShader")
         self.graph.put(node.inputs[0], reflectance)
         self.graph.put(node.inputs[1], self._in["Base"])
-        return node.outputs[0]
+        if self._index == 1.0:
+            return node.outputs[0]
+        mirror = self.graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
+        face = self.graph.product(self._outer_face(self._cos_r), self._front)
+        self.graph.put(mirror.inputs["Color"], self.graph.join(face, face, face))
+        self.graph.put(mirror.inputs["Roughness"], self._in["LacquerRoughness"])
+        self.graph.put(mirror.inputs["Normal"], self._n)
+        return self.both(node.outputs[0], mirror.outputs[0])
+
+    def _outer_face(self, cosine: Socket) -> Socket:
+        """Exact reflectance of the lacquer's outer face, as ``fresnel_exact`` in ``shaders/brdf.osl``."""
+        graph, n2 = self.graph, self._index**2
+        c = graph.clamp(cosine, 1e-6, 1.0)
+        inside = graph.math("SQRT", graph.fused(c, c, n2 - 1.0))
+        s = graph.quotient(graph.difference(c, inside), graph.sum(c, inside))
+        dense = graph.product(c, n2)
+        p = graph.quotient(graph.difference(dense, inside), graph.sum(dense, inside))
+        return graph.product(graph.fused(s, s, graph.product(p, p)), 0.5)
+
+    def _inside(self, cosine: Socket) -> Socket:
+        """Cosine of a direction behind the outer face."""
+        graph, n2 = self.graph, self._index**2
+        return graph.math("SQRT", graph.product(graph.fused(cosine, cosine, n2 - 1.0), 1.0 / n2))
 
     def both(self, a: Socket, b: Socket) -> Socket:
         """Two closures added."""
@@ -278,6 +316,17 @@ class _Surface:
         w = graph.math("MAXIMUM", graph.sum(cos_i, self._cos_r), 1e-4)
         mirror = graph.sum(graph.scalar("DOT_PRODUCT", wi, self._wr), 1.0)
         factor = graph.quotient(graph.product(mirror, mirror), graph.product(self._cos_r, w, w))
+        if self._index > 1.0:  # seen through a clear layer, see ``shaders/brdf.osl``
+            inner_i, inner_r = self._inside(cos_i), self._inside(self._cos_r)
+            plane = graph.fused(x, self._wr_x, graph.product(y, self._wr_y))
+            inner = graph.fused(plane, self._index**-2, graph.fused(inner_i, inner_r, 1.0))
+            steep = graph.sum(inner_i, inner_r)
+            through = graph.product(
+                graph.difference(1.0, self._outer_face(cos_i)), graph.difference(1.0, self._outer_face(self._cos_r))
+            )
+            lower = graph.product(graph.product(inner_i, inner_r), steep, steep)
+            factor = graph.quotient(graph.product(through, graph.product(inner, inner), cos_i), lower)
+            w = graph.product(steep, self._index)
         if self._albedo is not None:
             largest = graph.math("MAXIMUM", graph.math("MAXIMUM", self._albedo_of(wi), self._albedo_r), 1.0)
             factor = graph.quotient(factor, largest)
