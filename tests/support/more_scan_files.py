@@ -20,12 +20,12 @@ def vk4(heights, size, bits=32):
     rows, cols = heights.shape
     counts = np.rint(heights / 1e-10).astype(f"<u{bits // 8}")
     table = [0] * 18
-    table[0], table[6] = 96, 96 + 400
+    table[0], table[6] = 84, 84 + 400
     conditions = [400, 2020, 1, 2, 3, 4, 5, 0, *[0] * 92]
     conditions[42:45] = [round(size[0] / cols * 1e12), round(size[1] / rows * 1e12), 100]
     image = struct.pack("<7I", cols, rows, bits, 0, counts.nbytes, 0, 0) + bytes(768) + counts[::-1].tobytes()
     head = b"VK4_" + bytes(8) + struct.pack("<18I", *table)
-    return head.ljust(96, b"\0") + struct.pack("<100I", *conditions) + image
+    return head + struct.pack("<100I", *conditions) + image
 
 
 def vk6(heights, size):
@@ -158,6 +158,9 @@ def opdx(heights, size, missing=None):
         body = struct.pack("<d", value) + name("unit") + name(unit)
         return name(key) + b"\x13" + length(len(body)) + body
 
+    def count(key, value):
+        return name(key) + b"\x07" + struct.pack("<I", value)
+
     def folder(key, *items):
         body = b"".join(items) + name("") + b"\x7f" + b"\0\0"
         return name(key) + b"\x7d" + length(len(body)) + body
@@ -176,7 +179,7 @@ def opdx(heights, size, missing=None):
                 folder(
                     "Raw",
                     text("DataKind", "Height"), quantity("DataScale", 1.0, "nm"),
-                    quantity("Dimension1Extent", 1e3 * size[1] * (rows - 1) / rows, "mm"),
+                    count("Dimension1Points", rows), count("Dimension2Points", cols), quantity("Dimension1Extent", 1e3 * size[1] * (rows - 1) / rows, "mm"),
                     quantity("Dimension2Extent", 1e3 * size[0] * (cols - 1) / cols, "mm"),
                     name("Matrix") + b"\x45" + name("Matrix<float>") + length(len(matrix)) + matrix,
                 ),
@@ -244,9 +247,9 @@ def nhf(heights, size, missing=None):
         counts[missing] = -(2**31)
 
     def fill(file):
-        file.attrs["nsf_file_version_major"] = 2
+        file.attrs["nsf_file_version_major"], file.attrs["nsf_file_version_minor"] = 2, 0
         group = file.create_group("group_0000")
-        group.attrs["group_type"] = "image_line_based"
+        group.attrs["group_type"], group.attrs["measurement_name"] = "image_line_based", "Image"
         segment = group.create_group("subgroup_0000")
         segment.attrs["segment_name"] = "Forward"
         segment.attrs["rect_axis_size"] = [rows, cols]
@@ -255,7 +258,8 @@ def nhf(heights, size, missing=None):
             data = segment.create_dataset(f"dataset_{number:04}", data=counts.ravel())
             data.attrs["signal_name"] = name
             data.attrs["dataset_element_type"] = "int32"
-            data.attrs["signal_calibration_unit"] = unit
+            data.attrs["signal_calibration_unit"] = data.attrs["signal_unit"] = unit
+            data.attrs["signal_id"] = data.attrs["signal_selected"] = name
             data.attrs["signal_calibration_min"], data.attrs["signal_calibration_max"] = -1e-6, 1e-6
 
     return _hdf(fill)
