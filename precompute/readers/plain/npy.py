@@ -84,14 +84,21 @@ def _load_member(path: Path, name: str) -> Samples:
 
 
 def _header(file: BinaryIO) -> tuple[tuple[int, ...], bool, np.dtype[Any]]:
+    """Shape, order and type; leaves the stream at the first value."""
+    head = io.BytesIO(file.read(_LONGEST_HEADER))  # a header that claims gigabytes finds its end here
+    found = None
     try:
-        version = npy.read_magic(file)
+        version = npy.read_magic(head)
         read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, fortran, dtype = read(file, max_header_size=_LONGEST_HEADER)
+        found = read(head, max_header_size=_LONGEST_HEADER)
     except (ValueError, TypeError, SyntaxError, OverflowError, RecursionError, MemoryError):
-        raise ScanError("The array has no valid header; save it again with numpy.save.") from None
+        pass  # the parser of Python's literals names its own limits so
+    if found is None:
+        raise ScanError("The array has no valid header; save it again with numpy.save.")
+    shape, fortran, dtype = found
     if dtype.hasobject:
         raise ScanError("The array holds pickled objects, which are never opened; save the heights as numbers.")
+    file.seek(head.tell())
     return shape, fortran, dtype
 
 
