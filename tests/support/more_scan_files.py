@@ -179,7 +179,8 @@ def opdx(heights, size, missing=None):
                 folder(
                     "Raw",
                     text("DataKind", "Height"), quantity("DataScale", 1.0, "nm"),
-                    count("Dimension1Points", rows), count("Dimension2Points", cols), quantity("Dimension1Extent", 1e3 * size[1] * (rows - 1) / rows, "mm"),
+                    count("Dimension1Points", rows), count("Dimension2Points", cols),
+                    quantity("Dimension1Extent", 1e3 * size[1] * (rows - 1) / rows, "mm"),
                     quantity("Dimension2Extent", 1e3 * size[0] * (cols - 1) / cols, "mm"),
                     name("Matrix") + b"\x45" + name("Matrix<float>") + length(len(matrix)) + matrix,
                 ),
