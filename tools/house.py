@@ -28,7 +28,7 @@ FLOORS = {
     "addon": (
         ("numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures"),
-        ("tables",),
+        ("tables", "lights"),
         ("materials",),
         ("viewport",),
         ("preset_properties",),

@@ -8,7 +8,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from ...precompute.errors import DiffractionError
 from .. import paths, properties
-from ..materials import lights, material, setup
+from ..lights import gather
+from ..materials import handlers, material, setup
 from ..versions import give_nodes, limits
 from .from_panel import take
 
@@ -86,7 +87,6 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         )
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
-        lamps = lights.lamp_objects(context.scene)
         setup.take_up(context.scene)
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
@@ -94,21 +94,22 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             made = {}
             for ob in context.selected_objects:
                 if _takes_material(ob):
-                    _give(ob, table, settings, lamps, made)
+                    _give(ob, table, settings, made)
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         finally:
             manager.progress_end()
-        notes = setup.prepare_scene(context.scene, lamps, self.implementation == "OSL")
+        handlers.update_all()
+        found = handlers.search(context.scene)
+        notes = setup.prepare_scene(context.scene, self.implementation == "OSL")
         self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
-        if not lamps and context.scene.world is None:
+        if not found.chosen and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
         for sentence in limits():
             self.report({"INFO"}, sentence)
-        limit = min(map(material.lamps_max, made.values()))
-        if len(lamps) > limit:
-            self.report({"WARNING"}, lights.too_many(lamps, limit))
+        if found.left_out:
+            self.report({"WARNING"}, gather.too_many(found))
         return {"FINISHED"}
 
 
@@ -116,7 +117,7 @@ def _takes_material(ob: bpy.types.Object) -> bool:
     return ob.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"} and ob.is_editable and ob.data.is_editable
 
 
-def _give(ob, table, settings, lamps, made) -> None:
+def _give(ob, table, settings, made) -> None:
     """Set an object's active material up; objects that shared one share the new one."""
     old = ob.active_material
     if old not in made:
@@ -128,7 +129,7 @@ def _give(ob, table, settings, lamps, made) -> None:
         else:
             new = bpy.data.materials.new(f"Diffraction {table.stem}")
             give_nodes(new).nodes.clear()
-        made[old] = material.apply(new, table, settings, lamps)
+        made[old] = material.apply(new, table, settings)
     if ob.material_slots:
         ob.active_material = made[old]
     else:
@@ -136,7 +137,7 @@ def _give(ob, table, settings, lamps, made) -> None:
 
 
 class DIFFRACTION_OT_restore_settings(bpy.types.Operator):
-    """Give back the settings of scene, lamps and materials that Apply changed; diffraction then renders wrongly"""
+    """Give back the settings of scene and materials that Apply changed; diffraction then renders wrongly"""
 
     bl_idname = "diffraction.restore_settings"
     bl_label = "Restore Settings"

@@ -77,7 +77,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         state.table_recipe = recipe.make(state)
         estimates.learn(context.scene, result.seconds["total"])
         try:
-            refresh.refresh(result.path, context.scene, state.table_recipe)
+            refresh.refresh(result.path, state.table_recipe)
         except DiffractionError as error:
             self.report({"WARNING"}, str(error))
         megabytes = result.table.layout.texel_bytes / 1e6

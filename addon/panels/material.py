@@ -25,7 +25,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout, state = split(self.layout), context.scene.diffraction
         layout.prop(state, "implementation")
         if state.implementation == "NODES":
-            note(layout, "Up to 8 lamps, by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
+            note(layout, "Lamps by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
             layout.prop(state, "ior")
@@ -74,7 +74,7 @@ class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
             layout.operator("diffraction.rebake", icon="FILE_REFRESH").scope = "ACTIVE"
         row.operator("diffraction.use_material_scan", text="", icon="GREASEPENCIL")
         if not active.is_editable:
-            note(layout, "This material is linked: it follows the lamps of its own file. Make it local to change it")
+            note(layout, "This material is linked. Make it local to change it")
             return
         for name in material.LIVE_SOCKETS:
             socket = node.inputs.get(name)
