@@ -8,6 +8,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from . import colour_spaces
+
 #: Largest side of a preview in pixels.
 _PREVIEW_SIDE = 320
 
@@ -34,7 +36,7 @@ def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = 
     if image is None:
         image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=linear)
         image.name = name
-    image.colorspace_settings.name = "Linear Rec.709" if linear else "sRGB"
+    colour_spaces.set_picture(image, linear)
     pixels = np.ones((height, width, 4), np.float32)
     pixels[..., :3] = rgb
     image.pixels.foreach_set(pixels.ravel())

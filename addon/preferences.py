@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import bpy
@@ -38,6 +39,26 @@ def bake_device() -> str:
     """The device that bakes are to use, of `gpu_bake.device.ITEMS`."""
     addon = bpy.context.preferences.addons.get(_PACKAGE)
     return addon.preferences.device if addon is not None else "AUTO"
+
+
+#: Where a scan was imported from last, where there are no preferences to keep it.
+_folder = ""
+
+
+def last_folder() -> str:
+    """Where a scan was imported from last; empty before the first, or where that folder is gone."""
+    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    folder = addon.preferences.scan_folder if addon is not None else _folder
+    return folder if folder and os.path.isdir(folder) else ""
+
+
+def remember_folder(folder: str) -> None:
+    """A scan was imported from here."""
+    global _folder
+    addon = bpy.context.preferences.addons.get(_PACKAGE)
+    _folder = folder
+    if addon is not None:
+        addon.preferences.scan_folder = folder
 
 
 def _held() -> TableCache | None:
@@ -94,6 +115,8 @@ class DIFFRACTION_AP_preferences(bpy.types.AddonPreferences):
     device: bpy.props.EnumProperty(
         name="Bake On", description="What computes the transforms of a bake", items=ITEMS, default="AUTO"
     )
+
+    scan_folder: bpy.props.StringProperty(options={"HIDDEN"}, description="Where a scan was imported from last")
 
     def draw(self, context):
         """A device, a switch, a limit, a button."""

@@ -5,17 +5,8 @@ from __future__ import annotations
 
 import bpy
 
-#: Scene-linear space of the colour configuration of Blender 4.5, which has no setting for it.
-FIXED_WORKING_SPACE = "Linear Rec.709"
-
 #: Name of EEVEE among the render engines.
 EEVEE = "BLENDER_EEVEE" if bpy.app.version >= (5, 0) else "BLENDER_EEVEE_NEXT"
-
-
-def working_space() -> str:
-    """Name of the file's working space, such as ``"Linear Rec.709"`` or ``"ACEScg"``."""
-    colorspace = getattr(bpy.data, "colorspace", None)
-    return FIXED_WORKING_SPACE if colorspace is None else colorspace.working_space
 
 
 def limits() -> list[str]:
@@ -23,7 +14,7 @@ def limits() -> list[str]:
     if bpy.app.version >= (5, 2):
         return []
     return [
-        f"Blender {bpy.app.version_string} has no choice of working space: colours are made for {FIXED_WORKING_SPACE}",
+        f"Blender {bpy.app.version_string} has no choice of working space: colours are made for Linear Rec.709",
         "An OSL material applied in another version of Blender must be applied again here, and the other way round",
         "Bakes run on the processor: compute shaders of this version give wrong transforms",
         "Nodes and OSL differ by some per cent on a few pixels here: take OSL where it matters",

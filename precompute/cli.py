@@ -8,6 +8,7 @@ nothing else; progress goes to standard error, and so does the one sentence of a
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import re
 import sys
@@ -43,17 +44,23 @@ def one_sentence(message: object) -> str:
     return text if text.endswith((".", "!", "?")) else text + "."
 
 
-def build_parser() -> argparse.ArgumentParser:
-    """The parser with all subcommands."""
+def build_parser(only: str | None = None) -> argparse.ArgumentParser:
+    """The parser with all subcommands.
+
+    Parameters
+    ----------
+    only
+        Name of the one subcommand that gets its arguments; the others are not imported. None takes all.
+    """
     parser = _Parser(prog="python -m precompute", description="Structural colours of measured nanostructured surfaces.")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND", parser_class=_Parser)
-    for command in COMMANDS:
-        name = command.__name__.rpartition(".")[2]
-        summary = (command.__doc__ or "").strip().splitlines()[0]
+    for name, summary in COMMANDS.items():
         sub = subparsers.add_parser(name, help=summary, description=summary)
-        command.add_arguments(sub)
-        sub.add_argument("--json", action="store_true", help="print one JSON object on standard output")
-        sub.set_defaults(run=command.run, describe=getattr(command, "describe", None))
+        if only in (None, name):
+            command = importlib.import_module(f".commands.{name}", __package__)
+            command.add_arguments(sub)
+            sub.add_argument("--json", action="store_true", help="print one JSON object on standard output")
+            sub.set_defaults(run=command.run, describe=getattr(command, "describe", None))
     return parser
 
 
@@ -70,8 +77,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     int
         The exit code: 0, 2 (one sentence on standard error says why) or 130 (interrupted).
     """
+    words = sys.argv[1:] if arguments is None else list(arguments)
+    # What the first word without a dash names; where it names nothing, the parser says so.
+    command = next((word for word in words if not word.startswith("-")), "")
     try:
-        args = build_parser().parse_args(arguments)
+        args = build_parser(command).parse_args(words)
     except SystemExit as exit_:
         return int(exit_.code or 0)
     try:

@@ -27,12 +27,16 @@ COHERENCE_LENGTH_SUN_M = 65e-6
 #: Fraction of a patch that the Tukey taper of the ensemble average rolls off (both sides together).
 TAPER_FRACTION = 0.2
 
-#: Version of the spectral table's files (EXR atlas and JSON sidecar).
-TABLE_FORMAT_VERSION = 1
+#: Version of the spectral table's files (EXR atlas and JSON sidecar), and those that can be read.
+TABLE_FORMAT_VERSION = 2
+TABLE_FORMATS = (1, 2)
+
+#: Version of the files of a series' terms.
+TERMS_FORMAT_VERSION = 1
 
 #: Version of the computation: raise it whenever the same scan and parameters give other texels, so that
 #: no cache hands out what an older release computed.
-BAKE_VERSION = 1
+BAKE_VERSION = 2
 
 #: Largest bake without an explicit limit (bytes of texels as a renderer loads them).
 TABLE_LIMIT_BYTES = 1024 * 1024 * 1024

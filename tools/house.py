@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 #: without its ending; what is named nowhere is a fault.
 FLOORS = {
     "precompute": (
-        ("constants", "errors", "old_names"),
+        ("constants", "errors", "faces", "old_names"),
         ("light", "files"),
         ("parameters",),
         ("scan",),
@@ -26,7 +26,7 @@ FLOORS = {
         ("__main__", "__init__"),
     ),
     "addon": (
-        ("numbers", "paths", "shader_files", "versions"),
+        ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures"),
         ("tables", "lights"),
         ("materials",),

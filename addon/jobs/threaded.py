@@ -28,8 +28,9 @@ class Threaded:
 
     title = "Working"
 
-    _jobs: list[Job]
-    _results: list[Any]
+    # Empty from the start: Blender cancels an operator also before it began, with its file browser.
+    _jobs: list[Job] = []
+    _results: list[Any] = []
     _timer = None
 
     def jobs(self, context: bpy.types.Context) -> list[Job]:
@@ -59,7 +60,6 @@ class Threaded:
 
     def invoke(self, context, event):
         """In a thread, with progress in panel and status bar."""
-        self.prepare(context)
         try:
             self._jobs, self._results = self.jobs(context), []
         except (DiffractionError, MemoryError) as error:
@@ -69,9 +69,6 @@ class Threaded:
         context.window_manager.modal_handler_add(self)
         self._show(context)
         return {"RUNNING_MODAL"}
-
-    def prepare(self, context) -> None:
-        """Called before a run from the panel; takes what the panel holds."""
 
     def modal(self, context, event):
         job = self._jobs[len(self._results)]
@@ -100,7 +97,9 @@ class Threaded:
             return self._fail(error)
 
     def cancel(self, context):
-        """Blender closes, or a file is loaded."""
+        """Blender closes, a file is loaded, or a file browser ends before anything began."""
+        if not self._jobs:
+            return
         for job in self._jobs:
             job.cancel()
         self._clear(context)

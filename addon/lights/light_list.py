@@ -12,8 +12,9 @@ from collections.abc import Sequence
 
 import bpy
 
+from ...precompute.errors import ParameterError
 from ...precompute.light.colour import xyz_to_rgb_matrix
-from ..versions import working_space
+from ..colour_spaces import working_space
 from . import slots
 from .source import Drive, Entry, Source
 
@@ -45,7 +46,7 @@ def remove(scene: bpy.types.Scene) -> None:
 def _names(scene: bpy.types.Scene) -> list[str]:
     """All custom properties of the list."""
     own = {slots.COUNT, *slots.MATRIX, *(name for slot in range(1, slots.SLOTS + 1) for name in slots.names(slot))}
-    return [name for name in scene.keys() if name in own or name.startswith(_FRAME)]
+    return [name for name in list(scene.keys()) if name in own or name.startswith(_FRAME)]
 
 
 def write(scene: bpy.types.Scene, sources: Sequence[Source]) -> bool:
@@ -83,7 +84,7 @@ def write(scene: bpy.types.Scene, sources: Sequence[Source]) -> bool:
         elif source.is_written:
             for part, name in enumerate(names):
                 changed |= _set(scene, name, [float(x) for x in source.entries[4 * part : 4 * part + 4]])
-    for name in [n for n in scene.keys() if n.startswith(_FRAME) and n not in frames]:
+    for name in [n for n in list(scene.keys()) if n.startswith(_FRAME) and n not in frames]:
         _undrive(scene, name)
         del scene[name]
         changed = True
@@ -91,12 +92,19 @@ def write(scene: bpy.types.Scene, sources: Sequence[Source]) -> bool:
     if scene.get(slots.COUNT) != last:
         scene[slots.COUNT] = last
         changed = True
-    for name, row in zip(slots.MATRIX, xyz_to_rgb_matrix(working_space()), strict=True):
-        changed |= _set(scene, name, [float(x) for x in row])
+    changed |= _write_matrix(scene)
     _written[scene.as_pointer()] = placed
     if changed:
         scene.update_tag()
     return changed
+
+
+def _write_matrix(scene: bpy.types.Scene) -> bool:
+    try:
+        rows = xyz_to_rgb_matrix(working_space())
+    except ParameterError:  # a space that is not known here: whoever bakes or applies is told
+        return False
+    return any([_set(scene, name, [float(x) for x in row]) for name, row in zip(slots.MATRIX, rows, strict=True)])
 
 
 def _place(before: dict[int, Source], sources: Sequence[Source]) -> dict[int, Source]:

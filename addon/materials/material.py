@@ -11,7 +11,7 @@ import bpy
 from ...precompute.errors import ParameterError, TableError
 from ...precompute.table import importance
 from ...precompute.table.table import SpectralTable, read_sidecar
-from .. import paths
+from .. import colour_spaces, paths
 from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, osl, setup, travel
 from .node import group, keys
@@ -112,7 +112,7 @@ def atlas_image(path: Path) -> bpy.types.Image:
     else:
         image = bpy.data.images.load(str(path), check_existing=False)
     image.name = path.stem
-    image.colorspace_settings.name = "Non-Color"
+    colour_spaces.set_data(image)
     image.alpha_mode = "NONE"
     image.use_fake_user = True
     image.filepath = paths.relative(path)

@@ -5,8 +5,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import bpy
-
 from ...precompute.errors import DiffractionError
 from ..tables.table_state import READY, table_state
 from . import material as materials

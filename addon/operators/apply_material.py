@@ -8,10 +8,10 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from ...precompute.errors import DiffractionError
 from .. import paths, properties
+from ..given import take
 from ..lights import gather
 from ..materials import handlers, material, setup
 from ..versions import give_nodes, limits
-from .from_panel import take
 
 _FROM_PANEL = (
     "implementation",
@@ -68,11 +68,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             return False
         return True
 
-    def invoke(self, context, event):
-        take(self, context, _FROM_PANEL)
-        return self.execute(context)
-
     def execute(self, context):
+        take(self, context.scene.diffraction, _FROM_PANEL)
         settings = material.Settings(
             implementation=self.implementation,
             fresnel=self.fresnel,

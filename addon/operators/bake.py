@@ -8,6 +8,7 @@ from bpy.props import EnumProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
 from .. import paths, properties
+from ..given import is_given
 from ..jobs.threaded import Threaded, busy, has_scan
 from ..materials import refresh
 from ..preferences import bake_device, table_cache
@@ -56,7 +57,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     def jobs(self, context):
         """One bake. What the caller left out is taken from the panel, what is used is shown there."""
         state = context.scene.diffraction
-        given = self.properties.is_property_set("illuminant_file", ghost=False)
+        given = is_given(self, "illuminant_file")
         bake_settings.copy(state, self, only_unset=True)
         if given:
             self.illuminant_data = ""  # a file that the caller names must be there
@@ -65,7 +66,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         scan_store.bring_here(context.scene)
         source, reading = scan_store.bake_source(context.scene)
         name = self.name or state.table_name or paths.absolute(state.scan_path).stem
-        device = self.device if self.properties.is_property_set("device") else bake_device()
+        device = self.device if is_given(self, "device") else bake_device()
         return [BakeJob(source, paths.data_folder(), name, chosen, reading, table_cache(), device)]
 
     def finished(self, context, results):

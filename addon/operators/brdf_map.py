@@ -6,11 +6,11 @@ from __future__ import annotations
 import bpy
 
 from .. import paths, pictures, properties
+from ..given import take
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
 from ..tables.table_state import READY, table_state
-from .from_panel import take
 
 
 class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
@@ -30,12 +30,9 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
     def poll(cls, context):
         return has_table(cls, context) and not busy(cls)
 
-    def prepare(self, context):
-        """Take the panel's values where the caller gave none."""
-        take(self, context, ("theta", "phi", "size", "linear"), "map_")
-
     def jobs(self, context):
         """Load and evaluate, away from Blender."""
+        take(self, context.scene.diffraction, ("theta", "phi", "size", "linear"), "map_")
         path = paths.absolute(context.scene.diffraction.table_path)
         theta, phi, size, linear = decimal(self.theta), decimal(self.phi), self.size, self.linear
 
@@ -50,7 +47,7 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
             progress("evaluate", 0.3)
             xyz = brdf_map(table, from_angles(theta, phi), size)
             progress("convert", 0.8)
-            illuminant = table.info["colour"]["illuminant"]
+            illuminant = table.light
             return xyz_to_rgb(xyz, illuminant=illuminant) if linear else map_to_srgb(xyz, None, illuminant)
 
         return [Job(work)]

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 import bpy
@@ -12,9 +13,11 @@ from bpy_extras.io_utils import ImportHelper
 
 from ...precompute.errors import ScanError
 from .. import paths
+from ..given import is_given
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
+from ..preferences import last_folder, remember_folder
 from ..tables import scan_store
 
 TURN_ITEMS = [
@@ -49,20 +52,29 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
     bl_label = "Import Scan"
     bl_options = {"REGISTER", "UNDO", "PRESET"}
 
-    filter_glob: StringProperty(default="*", options={"HIDDEN"})
+    # What belongs to one file is not remembered for the next: SKIP_SAVE, all of them.
+    filepath: StringProperty(
+        name="File Path", description="The scan", subtype="FILE_PATH", maxlen=1024, options={"SKIP_SAVE"}
+    )
+    filter_glob: StringProperty(default="*", options={"HIDDEN", "SKIP_SAVE"})
     size_um: FloatVectorProperty(
         name="Size (um)", description="Side lengths in micrometres; 0 takes them from the file (images have none)",
-        size=2, default=(0.0, 0.0),
+        size=2, default=(0.0, 0.0), options={"SKIP_SAVE"},
     )  # fmt: skip
     height_nm: FloatProperty(
         name="Height (nm)",
         description="Height range in nanometres; 0 takes it from the file (images have none)",
         default=0.0,
+        options={"SKIP_SAVE"},
     )
-    channel: StringProperty(name="Channel", description="Name or number of the channel; empty finds the heights")
-    flip_x: BoolProperty(name="Flip X", description="Exchange left and right")
-    flip_y: BoolProperty(name="Flip Y", description="Exchange bottom and top")
-    turn: EnumProperty(name="Turn", description="Turn anticlockwise, after flipping", items=TURN_ITEMS)
+    channel: StringProperty(
+        name="Channel", description="Name or number of the channel; empty finds the heights", options={"SKIP_SAVE"}
+    )
+    flip_x: BoolProperty(name="Flip X", description="Exchange left and right", options={"SKIP_SAVE"})
+    flip_y: BoolProperty(name="Flip Y", description="Exchange bottom and top", options={"SKIP_SAVE"})
+    turn: EnumProperty(
+        name="Turn", description="Turn anticlockwise, after flipping", items=TURN_ITEMS, options={"SKIP_SAVE"}
+    )
 
     _browsed = False
 
@@ -72,15 +84,19 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
 
     def invoke(self, context, event):
         """Ask for a file, unless one was given."""
-        if self.properties.is_property_set("filepath", ghost=False):
+        if is_given(self, "filepath"):
             return Threaded.invoke(self, context, event)
         self._browsed = True
+        folder = last_folder()
+        if folder:
+            self.filepath = os.path.join(folder, "")
         return ImportHelper.invoke(self, context, event)
 
     def execute(self, context):
         """Scripts wait. The file browser ends in this call too, and goes on with progress and Esc."""
         if not self._browsed:
             return Threaded.execute(self, context)
+        remember_folder(os.path.dirname(self.filepath))
         bpy.ops.diffraction.import_scan("INVOKE_DEFAULT", **self.as_keywords(ignore=("check_existing", "filter_glob")))
         return {"CANCELLED"}  # of this call; the other one reports and pushes the undo step
 

@@ -8,6 +8,7 @@ from bpy.props import EnumProperty
 
 from ...precompute.presets import PRESETS, make_preset
 from .. import paths, preset_properties, properties
+from ..given import take
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
@@ -40,13 +41,15 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
 
     def jobs(self, context):
         """Make and store."""
+        state = context.scene.diffraction
+        take(self, state, ("preset",))
+        take(self, state, ("size_um", "pixels"), "preset_")
         name, values = self.preset, {}
-        for parameter in PRESETS[name].parameters:
-            if self.properties.is_property_set(parameter.name, ghost=False):
-                value = getattr(self, parameter.name)
-                values[parameter.name] = decimal(value) if isinstance(value, float) else value
-            else:  # presets that share a parameter differ in its default
-                values[parameter.name] = parameter.default
+        names = [parameter.name for parameter in PRESETS[name].parameters]
+        take(self, getattr(state.presets, name), names)  # presets that share a parameter have each its own
+        for each in names:
+            value = getattr(self, each)
+            values[each] = decimal(value) if isinstance(value, float) else value
         size_m, pixels, folder = decimal(self.size_um) * 1e-6 or None, self.pixels or None, paths.data_folder()
 
         def work(progress):

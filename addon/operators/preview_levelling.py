@@ -6,10 +6,10 @@ from __future__ import annotations
 import bpy
 
 from .. import pictures, properties
+from ..given import take
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy, has_scan
 from ..tables import bake_settings, scan_store
-from .from_panel import take
 
 #: Name of the image.
 IMAGE = "Diffraction Levelling"
@@ -39,7 +39,7 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
         """Read, prepare and draw, away from Blender."""
         from dataclasses import replace
 
-        take(self, context, bake_settings.LEVELLING)
+        take(self, context.scene.diffraction, bake_settings.LEVELLING)
         source, reading = scan_store.bake_source(context.scene)
         chosen = replace(bake_settings.parameters(context.scene.diffraction), **bake_settings.levelling(self))
 

@@ -11,11 +11,11 @@ import bpy
 import numpy as np
 
 from .. import pictures, properties
+from ..given import take
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy, has_scan
 from ..numbers import decimal
 from ..tables import bake_settings, scan_store
-from .from_panel import take
 
 #: Name of the image.
 IMAGE = "Diffraction Reflectance"
@@ -39,12 +39,9 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
     def poll(cls, context):
         return has_scan(cls, context) and not busy(cls)
 
-    def prepare(self, context):
-        """Take the panel's values where the caller gave none."""
-        take(self, context, ("theta", "order"), "plot_")
-
     def jobs(self, context):
         """Read, prepare, sum and draw, away from Blender."""
+        take(self, context.scene.diffraction, ("theta", "order"), "plot_")
         source, reading = scan_store.bake_source(context.scene)
         chosen = bake_settings.parameters(context.scene.diffraction)
         theta, order = decimal(self.theta), self.order

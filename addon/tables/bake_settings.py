@@ -9,6 +9,7 @@ from typing import Any
 import bpy
 
 from ...precompute.parameters import BakeParameters
+from ..given import is_given
 from ..numbers import decimal
 from . import light_file
 
@@ -62,7 +63,7 @@ def levelling(owner: Any) -> dict[str, Any]:
 def copy(source: Any, target: Any, only_unset: bool = False) -> None:
     """Copy `FIELDS` from one owner to another, or only those that the target was not given."""
     for name in FIELDS:
-        if not (only_unset and target.properties.is_property_set(name, ghost=False)):
+        if not (only_unset and is_given(target, name)):
             value = _plain(getattr(source, name))
             if _plain(getattr(target, name)) != value:
                 setattr(target, name, value)

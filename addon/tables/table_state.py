@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from ...precompute.constants import TABLE_FORMAT_VERSION
+from ...precompute.constants import TABLE_FORMAT_VERSION, TABLE_FORMATS
 from ...precompute.errors import TableError
 from ...precompute.table.importance import HEIGHT, WIDTH
 from ...precompute.table.layout import TableLayout
@@ -87,7 +87,7 @@ def _look(path: Path, stamp: tuple) -> TableState:
         return TableState(READY, "", TableLayout.from_dict(sidecar["layout"]), sidecar)
     except TableError as error:
         version = _version(path)
-        if version is not None and version != TABLE_FORMAT_VERSION:
+        if version is not None and version not in TABLE_FORMATS:
             text = f"{path.name} was baked by another release (format {version}, now {TABLE_FORMAT_VERSION})"
             return TableState(OLD, text)
         return TableState(DAMAGED, str(error).partition(";")[0])

@@ -10,11 +10,11 @@ import bpy
 import numpy as np
 
 from ...precompute.evaluate.surface import coherence_area, relative_colour_factor
-from ...precompute.light.colour import xyz_to_rgb_matrix
+from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
 from ...precompute.table.layout import TableLayout
+from ..colour_spaces import working_space
 from ..materials import material
 from ..materials.osl import FRESNEL
-from ..versions import working_space
 from .data import orientation
 from .data.blocks import Surface
 
@@ -57,7 +57,7 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
     """
     node = material.shader_node(shaded)
     value = _Sockets(node)
-    illuminant = info["colour"]["illuminant"]
+    illuminant = table_light(info["colour"])
     modes = {number: name for name, number in FRESNEL.items()}
     look = Surface(
         layout=layout,

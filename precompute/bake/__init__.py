@@ -6,9 +6,14 @@ A bake plans the table's coordinates (`plan`), decides what it may cost (`budget
 lookups (`balance`). What comes out is a `precompute.table.SpectralTable`.
 """
 
-from .baking import BakeReport, bake, bake_file, estimate, resolve_sigma_s
-from .cost import BakeCost, bake_cost
-from .window import default_sigma_s
+from typing import TYPE_CHECKING
+
+from ..faces import on_demand
+
+if TYPE_CHECKING:
+    from .baking import BakeReport, bake, bake_file, estimate, resolve_sigma_s
+    from .cost import BakeCost, bake_cost
+    from .window import default_sigma_s
 
 __all__ = [
     "BakeCost",
@@ -20,3 +25,5 @@ __all__ = [
     "estimate",
     "resolve_sigma_s",
 ]
+
+__getattr__, __dir__ = on_demand(__name__)

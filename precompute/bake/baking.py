@@ -15,7 +15,7 @@ import numpy as np
 from ..constants import KAPPA_MAX
 from ..errors import ScanError, SizeLimitError
 from ..files.atomic import remove_stale
-from ..light.colour import spectral_weights, white_xyz
+from ..light.colour import ADAPTED, adaptation, spectral_weights, white_xyz
 from ..light.illuminant import Illuminant, to_json
 from ..parameters import BakeParameters
 from ..readers import read_scan
@@ -23,7 +23,7 @@ from ..scan.heightfield import HeightField
 from ..scan.preparation import prepare
 from ..table.albedo import albedo_map
 from ..table.cache import TableCache, origin, table_key
-from ..table.layout import TableLayout
+from ..table.layout import TableLayout, put_guard
 from ..table.table import SpectralTable
 from .balance import balance
 from .budget import check_bake, check_scan
@@ -271,7 +271,8 @@ def _bake(
     albedo = albedo_map(texels, layout, white, lambda done: stages.report("albedo", 0.88 + 0.04 * done))
     stages.done("albedo")
     stages.report("atlas", 0.92)
-    layout, atlas = assemble(texels, layout, albedo)
+    to_adapted = adaptation(parameters.illuminant)
+    layout, atlas = assemble(texels, layout, albedo, to_adapted)
     stages.done("atlas")
     info = {
         "key": table_key(scan, parameters),
@@ -285,7 +286,8 @@ def _bake(
         "colour": {
             "illuminant": to_json(parameters.illuminant),
             "observer": "CIE 1931 2 degree",
-            "white_xyz": [float(x) for x in white],
+            "adapted": None if to_adapted is None else ADAPTED,
+            "white_xyz": [float(x) for x in (white if to_adapted is None else to_adapted @ white)],
             "wavelengths_m": [float(wavelengths[0]), float(wavelengths[-1])],
             "wavelength_step_m": float(wavelengths[1] - wavelengths[0]),
         },
@@ -318,7 +320,9 @@ def _colours(illuminant: Illuminant) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return (*spectral_weights(illuminant=illuminant), white_xyz(illuminant))
 
 
-def assemble(texels: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tuple[TableLayout, np.ndarray]:
+def assemble(
+    texels: np.ndarray, layout: TableLayout, albedo: np.ndarray, to_adapted: np.ndarray | None = None
+) -> tuple[TableLayout, np.ndarray]:
     """Put the table's nodes into the atlas as half floats.
 
     Parameters
@@ -329,6 +333,9 @@ def assemble(texels: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tup
         Its scale is replaced.
     albedo
         ``(n_albedo_phi, n_theta)``.
+    to_adapted
+        ``(3, 3)`` what the XYZ of the texels are multiplied by, see `precompute.light.colour.adaptation`. Saturated
+        colours may leave it with a negative component, as they do any adaptation.
 
     Returns
     -------
@@ -342,7 +349,10 @@ def assemble(texels: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tup
     ScanError
         If no light at all is diffracted into the table's domain.
     """
-    peak = float(texels.max())
+    turn = None if to_adapted is None or np.array_equal(to_adapted, np.eye(3)) else to_adapted.astype(np.float32)
+    # No component of what is adapted is larger than this.
+    gain = 1.0 if turn is None else max(1.0, float(np.abs(turn).sum(axis=1).max()))
+    peak = float(texels.max()) * gain
     if not np.isfinite(peak) or peak <= 0.0:
         raise ScanError("The patch diffracts no light into the visible range; check the scan's size and heights.")
     layout = replace(layout, scale=peak / _LARGEST_TEXEL)
@@ -351,9 +361,11 @@ def assemble(texels: np.ndarray, layout: TableLayout, albedo: np.ndarray) -> tup
     for index in range(layout.n_w):
         x, y = layout.tile_origin(index)
         tile = atlas[y : y + layout.tile_height, x : x + layout.n_r]
-        tile[1:-1] = (texels[:, index] * factor).transpose(2, 0, 1)
+        slice_texels = texels[:, index] if turn is None else np.matmul(turn, texels[:, index])
+        tile[1:-1] = (slice_texels * factor).transpose(2, 0, 1)
         tile[0], tile[-1] = tile[-2], tile[1]
-    tile = atlas[layout.albedo_y :, : layout.n_theta]
+    tile = atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta]
     tile[1:-1] = albedo[:, :, None]
     tile[0], tile[-1] = tile[-2], tile[1]
+    put_guard(atlas, layout)
     return layout, atlas

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..constants import FREQUENCY_MAX, KAPPA_MAX, TABLE_FORMAT_VERSION
+from ..constants import FREQUENCY_MAX, KAPPA_MAX, TERMS_FORMAT_VERSION
 from ..errors import TableError
 from ..files.atomic import atomic_path
 from ..files.exr import write_image
@@ -127,7 +127,7 @@ def save_terms(field: HeightField, parameters: BakeParameters, table_path: str |
         with atomic_path(folder / file) as temporary:
             write_image(temporary, header, channels)
     description = {
-        "format_version": TABLE_FORMAT_VERSION,
+        "format_version": TERMS_FORMAT_VERSION,
         "files": files,
         "key": key,
         "method": series.method,
@@ -155,7 +155,7 @@ def load_terms(folder: str | Path) -> Terms:
     folder = Path(folder)
     try:
         data = json.loads((folder / "terms.json").read_text(encoding="utf-8"))
-        if data["format_version"] != TABLE_FORMAT_VERSION:
+        if data["format_version"] != TERMS_FORMAT_VERSION:
             raise TableError(f"The terms in {folder} are of another format version; bake the scan again.")
         images = np.stack([image[::-1] for image in _read_images(folder, data["files"])])
         fx, fy = np.array(data["fx"], float), np.array(data["fy"], float)

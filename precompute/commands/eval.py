@@ -16,12 +16,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
-    """Absolute BRDF without Fresnel, raw model, XYZ in 1/sr."""
+    """Absolute BRDF without Fresnel, raw model, XYZ in 1/sr under the light of the bake, as `direct` gives it."""
+    import numpy as np
+
     from ..evaluate.surface import brdf
+    from ..light.colour import adaptation
     from ..table.table import SpectralTable
 
     table = SpectralTable.load(args.table)
     xyz = brdf(table, options.direction(args.wi), options.direction(args.wr))
+    colour = table.info["colour"]
+    to_adapted = adaptation(colour["illuminant"]) if colour.get("adapted") else None
+    if to_adapted is not None:
+        xyz = np.linalg.solve(to_adapted, xyz)
     return {"xyz": [float(value) for value in xyz]}
 
 

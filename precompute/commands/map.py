@@ -28,7 +28,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
     check_image_path(args.out)
     table = SpectralTable.load(args.table)
-    illuminant = table.info["colour"]["illuminant"]
+    illuminant = table.light
     xyz = brdf_map(table, options.direction([args.theta_i, args.phi_i]), args.size)
     exposure = exposure_of(xyz, illuminant) if args.exposure is None else args.exposure
     path = save_map(xyz, args.out, exposure, illuminant, args.grid)

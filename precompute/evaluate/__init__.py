@@ -6,13 +6,18 @@ The top of the chain. A table answers by lookup (`brdf`, `brdf_map`); a scan ans
 grating equation and the tests hold to account.
 """
 
-from .colour_difference import delta_e_2000
-from .direct import direct_f, direct_xyz
-from .directions import disc_directions, from_angles, to_angles, uvw
-from .disc_map import brdf_map, map_to_srgb, save_map
-from .orders import order_efficiencies
-from .reflectance import Plane, estimated_periods, response
-from .surface import brdf
+from typing import TYPE_CHECKING
+
+from ..faces import on_demand
+
+if TYPE_CHECKING:
+    from .colour_difference import delta_e_2000
+    from .direct import direct_f, direct_xyz
+    from .directions import disc_directions, from_angles, to_angles, uvw
+    from .disc_map import brdf_map, map_to_srgb, save_map
+    from .orders import order_efficiencies
+    from .reflectance import Plane, estimated_periods, response
+    from .surface import brdf
 
 __all__ = [
     "Plane",
@@ -31,3 +36,5 @@ __all__ = [
     "to_angles",
     "uvw",
 ]
+
+__getattr__, __dir__ = on_demand(__name__)

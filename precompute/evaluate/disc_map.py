@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import ParameterError
 from ..files.images import check_image_path, write_exr, write_png
 from ..light.colour import encode_srgb, into_gamut, luminance_row, xyz_to_rgb
+from ..light.illuminant import Illuminant
 from .directions import disc_directions
 from .surface import Transform, brdf
 
@@ -62,16 +63,17 @@ def brdf_map(
     return xyz
 
 
-def exposure_of(xyz: np.ndarray, illuminant: str = "D65") -> float:
+def exposure_of(xyz: np.ndarray, illuminant: Illuminant = "D65") -> float:
     """Factor that shows 2 % of a map's disc at full brightness, so that the orders are visible beside the peak."""
     brightest = xyz_to_rgb(xyz, illuminant=illuminant).max(axis=-1)
-    brightest = np.sort(brightest[brightest > 0])[::-1]
+    brightest = brightest[brightest > 0]
     if not brightest.size:
         return 1.0
-    return float(1.0 / brightest[int(_WHITE_PART * (brightest.size - 1))])
+    place = brightest.size - 1 - int(_WHITE_PART * (brightest.size - 1))
+    return float(1.0 / np.partition(brightest, place)[place])
 
 
-def map_to_srgb(xyz: np.ndarray, exposure: float | None = None, illuminant: str = "D65") -> np.ndarray:
+def map_to_srgb(xyz: np.ndarray, exposure: float | None = None, illuminant: Illuminant = "D65") -> np.ndarray:
     """Display values of a map.
 
     Colours outside the gamut move towards grey; colours brighter than the display keep their hue and
@@ -126,7 +128,7 @@ def save_map(
     xyz: np.ndarray,
     path: str | os.PathLike[str],
     exposure: float | None = None,
-    illuminant: str = "D65",
+    illuminant: Illuminant = "D65",
     grid: bool = False,
 ) -> Path:
     """Write a map: ``.png`` as `map_to_srgb` shows it, ``.exr`` as linear Rec.709, unscaled, f in 1/sr.

@@ -6,11 +6,13 @@
 """
 
 from .colour import (
+    adaptation,
     can_be_white,
     encode_srgb,
     into_gamut,
     luminance_row,
     spectral_weights,
+    table_light,
     white_xyz,
     xyz_to_rgb,
     xyz_to_rgb_matrix,
@@ -20,6 +22,7 @@ from .illuminant import ILLUMINANTS, Spectrum, illuminant_of, read_spectrum
 __all__ = [
     "ILLUMINANTS",
     "Spectrum",
+    "adaptation",
     "can_be_white",
     "encode_srgb",
     "illuminant_of",
@@ -27,6 +30,7 @@ __all__ = [
     "luminance_row",
     "read_spectrum",
     "spectral_weights",
+    "table_light",
     "white_xyz",
     "xyz_to_rgb",
     "xyz_to_rgb_matrix",

@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From spectra to XYZ to the RGB of a scene: quadrature weights, matrices and the gamut step.
 
-Colour matching functions (CIE 1931, 2 degrees), illuminants and RGB primaries come from
-colour-science, which takes seconds to import; it is loaded on the first call only.
+Colour matching functions (CIE 1931, 2 degrees), illuminants, Bradford's matrix and RGB primaries are those of
+colour-science, from the file of `precompute.light.colour_data`; the library itself is not imported.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
 from ..constants import WAVELENGTH_MAX_M, WAVELENGTH_MIN_M
 from ..errors import ParameterError
-from .colour_library import load_colour
+from . import colour_data
 from .illuminant import Illuminant, illuminant_of
 
 #: Working spaces by the names that ``bpy.data.colorspace.working_space`` gives, and their names in colour-science.
@@ -27,8 +29,8 @@ STEP_M = 1e-9
 #: Smallest response of a cone to a light with Y = 1 to which colours are adapted; illuminant A has 0.34.
 LEAST_CONE = 0.02
 
-#: Cone responses of Bradford's chromatic adaptation (Lam, 1985; the matrix of the ICC profiles).
-_BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
+#: What the colours of a table are adapted to.
+ADAPTED = "D65"
 
 
 def wavelength_grid(step_m: float = STEP_M) -> np.ndarray:
@@ -82,7 +84,7 @@ def _weights(wavelengths: tuple[float, ...], illuminant: Illuminant) -> tuple[np
         raise ParameterError("The wavelengths of a colour integral must be at least two, in rising order.")
     if lam[0] < WAVELENGTH_MIN_M - slack or lam[-1] > WAVELENGTH_MAX_M + slack:
         raise ParameterError("The wavelengths of a colour integral must lie within 380-780 nm.")
-    nm, cmfs = _observer()
+    nm, cmfs = colour_data.observer()
     x = lam * 1e9
     xyz = np.stack([np.interp(x, nm, cmfs[:, c]) for c in range(3)], axis=-1)
     step = np.diff(lam)
@@ -99,18 +101,9 @@ def _weights(wavelengths: tuple[float, ...], illuminant: Illuminant) -> tuple[np
     return lam, weights
 
 
-@lru_cache(maxsize=1)
-def _observer() -> tuple[np.ndarray, np.ndarray]:
-    colour = load_colour()
-
-    cmfs = colour.MSDS_CMFS[OBSERVER]
-    return np.asarray(cmfs.wavelengths), np.asarray(cmfs.values)
-
-
 def _named(name: str, wavelengths_nm: np.ndarray) -> np.ndarray:
     """The CIE defines its illuminants between their 5 nm samples by linear interpolation (CIE 15:2018, 4.2)."""
-    distribution = load_colour().SDS_ILLUMINANTS[name]
-    return np.interp(wavelengths_nm, np.asarray(distribution.wavelengths), np.asarray(distribution.values))
+    return np.interp(wavelengths_nm, *colour_data.illuminant(name))
 
 
 def white_xyz(illuminant: Illuminant = "D65") -> np.ndarray:
@@ -122,22 +115,21 @@ def white_xyz(illuminant: Illuminant = "D65") -> np.ndarray:
 def _xyz_to_rgb(space: str, illuminant: Illuminant) -> np.ndarray:
     if space not in SPACES:
         raise ParameterError(f"Unknown working space '{space}'; choose one of {', '.join(SPACES)}.")
-    colour = load_colour()
-
-    definition = colour.RGB_COLOURSPACES[SPACES[space]]
+    primaries_xy, white_xy = colour_data.space(SPACES[space])
 
     def xyz_of(xy: np.ndarray) -> np.ndarray:
         x, y = xy
         return np.array([x / y, 1.0, (1.0 - x - y) / y])
 
     # Built from the primaries: the published matrices are rounded and miss (1, 1, 1) by up to 1e-4.
-    white = xyz_of(definition.whitepoint)
-    primaries = np.stack([xyz_of(xy) for xy in definition.primaries], axis=-1)
+    white = xyz_of(white_xy)
+    primaries = np.stack([xyz_of(xy) for xy in primaries_xy], axis=-1)
     rgb_to_xyz = primaries * np.linalg.solve(primaries, white)
-    seen = _BRADFORD @ white_xyz(illuminant)
+    bradford = colour_data.bradford()
+    seen = bradford @ white_xyz(illuminant)
     adapt = np.eye(3)
     if can_be_white(illuminant):
-        adapt = np.linalg.solve(_BRADFORD, (_BRADFORD @ white / seen)[:, None] * _BRADFORD)
+        adapt = np.linalg.solve(bradford, (bradford @ white / seen)[:, None] * bradford)
     matrix = np.linalg.solve(rgb_to_xyz, adapt)
     matrix.flags.writeable = False
     return matrix
@@ -145,7 +137,31 @@ def _xyz_to_rgb(space: str, illuminant: Illuminant) -> np.ndarray:
 
 def can_be_white(illuminant: Illuminant) -> bool:
     """Whether eyes adapt to a light: lasers and sodium lamps leave a kind of cone (after Bradford) in the dark."""
-    return bool((_BRADFORD @ white_xyz(illuminant)).min() > LEAST_CONE)
+    return bool((colour_data.bradford() @ white_xyz(illuminant)).min() > LEAST_CONE)
+
+
+def adaptation(illuminant: Illuminant) -> np.ndarray | None:
+    """``(3, 3)`` Bradford matrix from XYZ under a light to XYZ under D65; None for a light that cannot be white.
+
+    Both whites are those of `white_xyz`. The identity, exactly, for D65.
+    """
+    light = illuminant_of(illuminant)
+    if light == ADAPTED:
+        return np.eye(3)
+    if not can_be_white(light):
+        return None
+    cones = colour_data.bradford()
+    gains = (cones @ white_xyz(ADAPTED)) / (cones @ white_xyz(light))
+    return np.linalg.solve(cones, gains[:, None] * cones)
+
+
+def table_light(colour: Mapping[str, Any]) -> Illuminant:
+    """The light whose white a table's XYZ is relative to, by the entry ``colour`` of its sidecar.
+
+    D65 where the note ``adapted`` says so (format 2), so that the matrix to a working space depends on that space
+    alone; else the light of the bake (format 1, and lights that cannot be white).
+    """
+    return illuminant_of(colour.get("adapted") or colour["illuminant"])
 
 
 def xyz_to_rgb_matrix(space: str = "Linear Rec.709", illuminant: Illuminant = "D65") -> np.ndarray:

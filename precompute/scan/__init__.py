@@ -6,19 +6,24 @@ parameters say; each step is a function of its own and leaves a line in the fiel
 `find_lattice` look at it, `write_gsf` stores it.
 """
 
-from .clipping import clip, crop
-from .gsf import write_gsf
-from .heightfield import HeightField
-from .info import scan_info
-from .lattice import find_lattice, power_spectrum
-from .levelling import level
-from .missing import fill_missing
-from .orientation import flip_x, flip_y, rotate90
-from .preparation import prepare
-from .resample import refine
-from .row_alignment import align_rows
-from .smoothing import smooth
-from .tiling import make_tileable
+from typing import TYPE_CHECKING
+
+from ..faces import on_demand
+
+if TYPE_CHECKING:
+    from .clipping import clip, crop
+    from .gsf import write_gsf
+    from .heightfield import HeightField
+    from .info import scan_info
+    from .lattice import find_lattice, power_spectrum
+    from .levelling import level
+    from .missing import fill_missing
+    from .orientation import flip_x, flip_y, rotate90
+    from .preparation import prepare
+    from .resample import refine
+    from .row_alignment import align_rows
+    from .smoothing import smooth
+    from .tiling import make_tileable
 
 __all__ = [
     "HeightField",
@@ -39,3 +44,5 @@ __all__ = [
     "smooth",
     "write_gsf",
 ]
+
+__getattr__, __dir__ = on_demand(__name__)

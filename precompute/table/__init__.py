@@ -5,8 +5,15 @@
 `SpectralTable` loads, saves and looks up. Albedos and the densities for random directions of light are derived from it.
 """
 
-from .cache import TableCache, table_key
-from .layout import TableLayout
-from .table import SpectralTable, read_sidecar
+from typing import TYPE_CHECKING
+
+from ..faces import on_demand
+
+if TYPE_CHECKING:
+    from .cache import TableCache, table_key
+    from .layout import TableLayout
+    from .table import SpectralTable, read_sidecar
 
 __all__ = ["SpectralTable", "TableCache", "TableLayout", "read_sidecar", "table_key"]
+
+__getattr__, __dir__ = on_demand(__name__)

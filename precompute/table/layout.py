@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +20,11 @@ from ..errors import TableError
 
 #: Largest |(u, v)|: light and viewer on the same horizon.
 R_MAX = 2.0
+
+#: What the guard texel holds: above 1, mid-grey, negative. An image that was resized, quantised, clipped or converted
+#: to another colour space shows other values there. Around it stands nothing.
+GUARD = (2.0, 0.5, -0.25)
+GUARD_SIDE = 5
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,15 @@ class TableLayout:
     tile_columns
         Tiles side by side in the atlas.
     n_theta, n_albedo_phi
-        Size of the albedo tile.
+        Size of an albedo tile.
+    w_max
+        |w| of the last slice: 2, or 2 n under a lacquer of index n.
+    n_albedo
+        Albedo tiles one above the other; the first is that of the surface as baked.
+    n_reflectance
+        Polar angles of the row that holds the reflectance of the surface's stuff; 0 has no such row.
+    guarded
+        1 where the atlas holds the guard texel; tables of format 1 do not.
     """
 
     n_r: int
@@ -56,13 +70,23 @@ class TableLayout:
     tile_columns: int = 1
     n_theta: int = 46
     n_albedo_phi: int = 36
+    w_max: float = W_MAX
+    n_albedo: int = 1
+    n_reflectance: int = 0
+    guarded: int = 1
 
     def __post_init__(self) -> None:
-        whole = (self.n_r, self.n_phi, self.n_w, self.tile_columns, self.n_theta, self.n_albedo_phi)
+        whole = (self.n_r, self.n_phi, self.n_w, self.tile_columns, self.n_theta, self.n_albedo_phi, self.n_albedo)
         if any(not isinstance(n, int) or n < 1 for n in whole) or min(self.n_r, self.n_w, self.n_theta) < 2:
             raise TableError("The table's layout holds sizes that are not positive whole numbers; bake the scan again.")
-        numbers = (self.r0, self.w0, self.w_min, self.power, self.scale)
-        if not all(math.isfinite(x) for x in numbers) or min(self.r0, self.w0, self.w_min, self.scale) <= 0:
+        if any(not isinstance(n, int) or n < 0 for n in (self.n_reflectance, self.guarded)) or self.guarded > 1:
+            raise TableError("The table's layout holds sizes that are not positive whole numbers; bake the scan again.")
+        numbers = (self.r0, self.w0, self.w_min, self.power, self.scale, self.w_max)
+        if (
+            not all(math.isfinite(x) for x in numbers)
+            or min(self.r0, self.w0, self.w_min, self.scale) <= 0
+            or self.w_max <= self.w_min
+        ):
             raise TableError("The table's layout holds impossible mapping constants; bake the scan again.")
 
     # Mapping constants, derived and stored in the sidecar for the shaders.
@@ -80,7 +104,7 @@ class TableLayout:
     @property
     def a_w(self) -> float:
         """Slices per unit of asinh(|w| / w0)."""
-        return (self.n_w - 1) / (math.asinh(W_MAX / self.w0) - self.s_w)
+        return (self.n_w - 1) / (math.asinh(self.w_max / self.w0) - self.s_w)
 
     # Atlas geometry (texels, y upwards).
 
@@ -97,7 +121,7 @@ class TableLayout:
     @property
     def width(self) -> int:
         """Atlas width."""
-        return max(self.tile_columns * self.n_r, self.n_theta)
+        return max(self.tile_columns * self.n_r, self.n_theta, self.n_reflectance, GUARD_SIDE * self.guarded)
 
     @property
     def albedo_y(self) -> int:
@@ -105,9 +129,29 @@ class TableLayout:
         return self.tile_rows * self.tile_height
 
     @property
+    def albedo_height(self) -> int:
+        """Texel rows of an albedo tile with its guard rows."""
+        return self.n_albedo_phi + 2
+
+    @property
+    def reflectance_y(self) -> int:
+        """Texel row of the reflectance; the rows below and above repeat it."""
+        return self.albedo_y + self.n_albedo * self.albedo_height + 1
+
+    @property
+    def guard_y(self) -> int:
+        """Texel row of the guard."""
+        return self.reflectance_y - 1 + (3 if self.n_reflectance else 0) + GUARD_SIDE // 2
+
+    @property
+    def guard_x(self) -> int:
+        """Texel column of the guard."""
+        return GUARD_SIDE // 2
+
+    @property
     def height(self) -> int:
         """Atlas height."""
-        return self.albedo_y + self.n_albedo_phi + 2
+        return self.guard_y - GUARD_SIDE // 2 + GUARD_SIDE * self.guarded
 
     @property
     def texel_bytes(self) -> int:
@@ -153,19 +197,44 @@ class TableLayout:
         derived = {
             name: getattr(self, name) for name in ("a_r", "a_w", "s_w", "tile_rows", "width", "height", "albedo_y")
         }
-        return {**asdict(self), **derived}
+        numbers = {**asdict(self), **derived}
+        if not self.guarded:  # as format 1 has it
+            return {name: value for name, value in numbers.items() if name not in _SINCE_2}
+        guard = dict(zip(("guard_high", "guard_middle", "guard_low"), GUARD, strict=True))
+        places = {name: getattr(self, name) for name in ("reflectance_y", "guard_x", "guard_y")}
+        return {**numbers, **places, **guard}
 
     @classmethod
     def from_dict(cls, data: dict) -> TableLayout:
         """Rebuild from a sidecar; raises TableError where numbers are missing or inconsistent."""
         names = cls.__dataclass_fields__
+        old: dict[str, Any] = {"w_max": W_MAX, "n_albedo": 1, "n_reflectance": 0, "guarded": 0}
+        if "guarded" in data:
+            old = {}
         try:
-            layout = cls(**{name: data[name] for name in names})
+            layout = cls(**{name: old[name] if name in old else data[name] for name in names})
         except (KeyError, TypeError) as error:
             raise TableError("The table's sidecar lacks a part of its layout; bake the scan again.") from error
-        if any(layout.to_dict()[name] != data.get(name) for name in ("width", "height", "albedo_y", "tile_rows")):
+        again = layout.to_dict()
+        if any(again[name] != data.get(name) for name in _PLACES if name in again):
             raise TableError("The table's sidecar contradicts itself about the size of its atlas; bake the scan again.")
         return layout
+
+
+#: What format 1 does not know, and what a sidecar must not contradict.
+_SINCE_2 = ("w_max", "n_albedo", "n_reflectance", "guarded")
+_PLACES = (
+    *("width", "height", "albedo_y", "tile_rows", "reflectance_y"),
+    *("guard_x", "guard_y", "guard_high", "guard_middle", "guard_low"),
+)
+
+
+def put_guard(atlas: np.ndarray, layout: TableLayout) -> None:
+    """Write the guard into an atlas ``(height, width, 3)``, row 0 at the bottom; nothing where the layout has none."""
+    if layout.guarded:
+        low = layout.guard_y - GUARD_SIDE // 2
+        atlas[low : low + GUARD_SIDE, :GUARD_SIDE] = 0.0
+        atlas[layout.guard_y, layout.guard_x] = GUARD
 
 
 def near_square_columns(n_r: int, n_phi: int, n_w: int) -> int:

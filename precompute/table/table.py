@@ -12,11 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from ..constants import TABLE_FORMAT_VERSION
+from ..constants import TABLE_FORMAT_VERSION, TABLE_FORMATS
 from ..errors import ParameterError, TableError
 from ..files.atomic import atomic_path
 from ..files.exr import read_half_rgb, read_text, write_half_rgb
-from ..light.illuminant import illuminant_of
+from ..light.colour import table_light
+from ..light.illuminant import Illuminant, illuminant_of
 from .layout import TableLayout
 
 
@@ -93,6 +94,16 @@ class SpectralTable:
         return self._bilinear(column, layout.albedo_y + 1.0 + row)[..., 0]
 
     @property
+    def format_version(self) -> int:
+        """Version of the files: that of this release, or 1 for a table that was read in that version."""
+        return TABLE_FORMAT_VERSION if self.layout.guarded else 1
+
+    @property
+    def light(self) -> Illuminant:
+        """The light whose white the colours are relative to: D65 where they were adapted to it, else the bake's own."""
+        return table_light(self.info["colour"])
+
+    @property
     def albedo_max(self) -> float:
         """Largest directional albedo of the raw model."""
         return float(self.info["albedo_max"])
@@ -138,7 +149,7 @@ class SpectralTable:
     def _sidecar(self, file: str) -> str:
         """The sidecar's text for an atlas of that file name."""
         sidecar = {
-            "format_version": TABLE_FORMAT_VERSION,
+            "format_version": self.format_version,
             "layout": self.layout.to_dict(),
             "atlas": {"file": file, "sha256": _pixels_sha256(self.atlas)},
             **self.info,
@@ -209,13 +220,15 @@ def _parse(text: str, name: str) -> dict[str, Any]:
     except (ValueError, RecursionError) as error:
         raise TableError(f"The table's sidecar {name} is no JSON; bake the scan again.") from error
     version = sidecar.get("format_version") if isinstance(sidecar, dict) else None
-    if version != TABLE_FORMAT_VERSION:
+    if version not in TABLE_FORMATS or isinstance(version, bool):
         raise TableError(
-            f"{name} is a table of format version {repr(version)[:20]}, this release reads version"
-            f" {TABLE_FORMAT_VERSION}; bake the scan again."
+            f"{name} is a table of format version {repr(version)[:20]}, this release reads versions"
+            f" {' and '.join(map(str, TABLE_FORMATS))}; bake the scan again."
         )
     if not all(isinstance(sidecar.get(part), dict) for part in ("layout", "atlas", "parameters", "source", "colour")):
         raise TableError(f"The table's sidecar {name} lacks one of its parts; bake the scan again.")
+    if ("guarded" in sidecar["layout"]) != (version > 1):
+        raise TableError(f"The table's sidecar {name} contradicts itself about its version; bake the scan again.")
     albedo, terms = sidecar.get("albedo_max"), sidecar.get("terms")
     if not (isinstance(albedo, int | float) and 0.0 <= albedo < math.inf and isinstance(terms, int)):
         raise TableError(f"The table's sidecar {name} holds impossible numbers; bake the scan again.")

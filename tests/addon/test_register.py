@@ -12,7 +12,7 @@ from tests.support.blender import extension
 def test_register_imports_nothing_heavy():
     """In a process of its own, since tests import much."""
     code = (
-        "import sys, bpy; from tests.addon import extension; extension.load().register();"
+        "import sys, bpy; from tests.support.blender import extension; extension.load().register();"
         "heavy = {'scipy', 'colour', 'matplotlib', 'OpenEXR', 'tifffile', 'gwyfile', 'PIL', 'pandas', 'h5py'};"
         "print('heavy:', sorted(heavy & set(sys.modules)))"
     )

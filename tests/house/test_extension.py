@@ -143,3 +143,4 @@ def test_only_what_runs_is_in_the_zip(extension_zip):
     assert not [name for name in names if "__pycache__" in name or name.endswith((".pyc", ".tmp"))]
     sources = {str(path.relative_to(ROOT)) for path in (ROOT / "precompute").rglob("*.py")}
     assert sources <= set(names)
+    assert "precompute/light/colour_data.json" in names

@@ -2,26 +2,16 @@
 """The manifest is right, and each thing that can be wrong in it is told."""
 
 import copy
-import importlib.util
-import sys
-from pathlib import Path
 
 import pytest
-
-TOOLS = Path(__file__).resolve().parents[2] / "tools"
 
 
 @pytest.fixture(scope="module")
 def check():
-    """tools/build/check_manifest.py as a module; the tools are scripts that import each other by plain names."""
-    sys.path.insert(0, str(TOOLS))
-    try:
-        spec = importlib.util.spec_from_file_location("check_manifest", TOOLS / "check_manifest.py")
-        module = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(module)
-    finally:
-        sys.path.remove(str(TOOLS))
-    return module
+    """tools/build/check_manifest.py as a module."""
+    from tools.build import check_manifest
+
+    return check_manifest
 
 
 @pytest.fixture

@@ -40,9 +40,9 @@ def test_names_are_compared_whole():
 def test_the_extension_says_what_this_blender_cannot_do(bpy_module):
     """Two sentences or more in 4.5, none in 5.2; in a process of its own, as nothing else may be registered."""
     program = (
-        "from tests.addon import extension; extension.load()\n"
-        "from diffraction_shader.addon import versions\n"
-        "print('\\nFOUND', len(versions.limits()), versions.working_space(), flush=True)"
+        "from tests.support.blender import extension; extension.load()\n"
+        "from diffraction_shader.addon import colour_spaces, versions\n"
+        "print('\\nFOUND', len(versions.limits()), colour_spaces.working_space(), flush=True)"
     )
     done = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=False)
     found = [line for line in done.stdout.splitlines() if line.startswith("FOUND")]

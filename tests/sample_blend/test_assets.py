@@ -15,7 +15,7 @@ import importlib.util, json, os, sys
 from pathlib import Path
 import bpy
 import numpy as np
-from tests.addon import extension, life
+from tests.support.blender import extension, life
 extension.load().register()
 spec = importlib.util.spec_from_file_location("build_assets", sys.argv[1])
 module = importlib.util.module_from_spec(spec)

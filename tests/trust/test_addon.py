@@ -2,7 +2,6 @@
 """The add-on switched on and off many times, and its cache with its preferences."""
 
 import json
-import os
 import subprocess
 import sys
 
@@ -16,10 +15,9 @@ from tests.support.trust.tables import small_table
 CYCLES = """
 import json, sys
 import bpy, addon_utils
-from tests.trust.test_addon import loaded
-from tests.addon import extension
+from tests.support.blender import extension
 
-loaded()
+extension.loaded()
 name, cycles = extension.NAME, int(sys.argv[1])
 
 def state():
@@ -38,14 +36,6 @@ for cycle in range(cycles):
     memory.append(resident())
 print(json.dumps([before == state(), memory[len(memory) // 5], memory[-1]]))
 """  # noqa: E501
-
-
-def loaded():
-    """The package as Blender remembers one that it has loaded: otherwise it looks for it to load it again."""
-    package = extension.load()
-    package.__time__ = os.path.getmtime(package.__file__)
-    package.__addon_enabled__ = False
-    return package
 
 
 @pytest.mark.parametrize("cycles", [20, pytest.param(1000, marks=pytest.mark.slow)])
@@ -67,7 +57,7 @@ def enabled(empty_blender, tmp_path, monkeypatch):
     """The add-on with preferences, its cache in a folder of the test."""
     import addon_utils
 
-    loaded()
+    extension.loaded()
     assert addon_utils.enable(extension.NAME, default_set=True) is not None
     module = sys.modules[f"{extension.NAME}.addon.preferences"]
     monkeypatch.setattr(module, "cache_folder", lambda: tmp_path / "cache")

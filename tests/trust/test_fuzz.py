@@ -83,7 +83,7 @@ def test_the_harness_notices_what_it_is_for(folder):
     program = """
 import sys
 import precompute.readers as readers
-from tests.trust import fuzz
+from tests.support.trust import fuzz
 
 def crash(path): import os, signal; os.kill(os.getpid(), signal.SIGSEGV)
 def hang(path):

@@ -38,7 +38,7 @@ def test_the_estimate_is_what_a_bake_takes(pixels, step, sigma, ensemble, series
     program = """
 import json, sys
 import numpy as np
-from precompute import bake, budget
+from precompute.bake import baking as bake, budget
 from precompute.scan.heightfield import HeightField
 from precompute.files.memory import peak_rss_bytes
 from precompute.parameters import BakeParameters

@@ -15,10 +15,12 @@ from typing import Any
 
 import bpy
 
-from ....precompute.errors import DiffractionError, TableError
-from ....precompute.light.colour import xyz_to_rgb_matrix
+from ....precompute.errors import DiffractionError
+from ....precompute.light.colour import table_light, xyz_to_rgb_matrix
+from ....precompute.light.illuminant import to_json
 from ....precompute.table.layout import TableLayout
-from ...versions import tells_mirrored_uv, working_space
+from ...colour_spaces import working_space
+from ...versions import tells_mirrored_uv
 from .. import frame, nodes_twin, osl, script_node
 from ..node_graph import Graph
 from . import interface, keys, lamp_nodes
@@ -102,23 +104,20 @@ def build(
 
     Raises
     ------
-    TableError
-        If the table names no illuminant.
     DiffractionError
         If this Blender cannot compile OSL.
     """
     layout, albedo_max = TableLayout.from_dict(sidecar["layout"]), float(sidecar["albedo_max"])
-    light = sidecar["colour"].get("illuminant")
-    if light is None:
-        raise TableError(f"The table {stem} does not say for which light it was made; bake it again.")
+    light = table_light(sidecar["colour"])
+    own = None if light == "D65" else light  # else the scene's matrix serves
+    light = light if isinstance(light, str) else json.dumps(to_json(light))
     image, directions = images
     variant = json.dumps([fresnel, conserve] if implementation == "NODES" else [])
     source = osl.source(layout, albedo_max, albedo_free=albedo_free) if implementation == "OSL" else ""
-    made_from = [sidecar["atlas"]["sha256"], source, light, sidecar["layout"], sidecar["colour"].get("adapted")]
+    made_from = [sidecar["atlas"]["sha256"], source, light, sidecar["layout"]]
     stamp = hashlib.sha256(json.dumps(made_from, sort_keys=True).encode()).hexdigest()
     tree = _existing(image, implementation, variant)
     if tree is None or tree[keys.STAMP] != stamp:
-        own = matrix_of(sidecar["colour"])
         fresh = tree is None
         if fresh:
             tree = bpy.data.node_groups.new(f"Diffraction {stem}", "ShaderNodeTree")
@@ -136,7 +135,7 @@ def build(
     if directions is not None:
         tree[keys.IMPORTANCE] = directions
     tree[keys.IMPLEMENTATION], tree[keys.VARIANT], tree[keys.STAMP] = implementation, variant, stamp
-    tree[keys.ILLUMINANT] = light if isinstance(light, str) else json.dumps(light)
+    tree[keys.ILLUMINANT] = light
     return tree
 
 
@@ -146,16 +145,6 @@ def _existing(image: bpy.types.Image, implementation: str, variant: str) -> bpy.
         if tree.library is None and (tree.get(keys.ATLAS), tree[keys.IMPLEMENTATION], tree[keys.VARIANT]) == wanted:
             return tree
     return None
-
-
-def matrix_of(colour: dict[str, Any]) -> Any:
-    """None where the scene's matrix serves a table, else the illuminant (sidecar's entry) of a matrix of its own.
-
-    Tables whose XYZ stand under D65, by their light or by Bradford's adaptation at bake time, take the scene's.
-    """
-    if colour.get("adapted") == "D65" or colour["illuminant"] == "D65":
-        return None
-    return colour["illuminant"]
 
 
 def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -> None:

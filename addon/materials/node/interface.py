@@ -51,12 +51,12 @@ SOCKETS = (
     Socket("Base", _SHADER, "The surface without its structure: pigment, weighted by what is not reflected"),
     Socket("Normal", _VECTOR, "Normal or bump map; not linked: the surface's own", properties=_LINKED),
     Socket(
-        "Tangent", _VECTOR, "Along the scan's x, a normal map's (1, 0.5, 0.5) or a direction; not linked: along u of the"
+        "Tangent", _VECTOR, "Along the scan's x, a normal map's (1, 0.5, 0.5) or a direction; not linked: u of the"
         " UV map", properties=_LINKED,
     ),
     Socket("Rotation", _FLOAT, "Turn of the scan about the normal", properties=_value(0.0, subtype="ANGLE")),
     Socket("Brightness", _FLOAT, "Factor on the diffracted light", properties=_value(1.0, 0.0)),
-    Socket("Fresnel", _INT, "What the surface is made of. 0: reflects all, 1: dielectric of the index IOR, 2: conductor",
+    Socket("Fresnel", _INT, "How much is reflected. 0: all, 1: as a dielectric of the index IOR, 2: as a conductor",
            properties=_value(1, 0, 2)),
     Socket("IOR", _FLOAT, "Index of refraction of a dielectric", properties=_value(1.5, 1.0, 10.0)),
     Socket("Environment", _INT, "Random mirrors a sample that look at world, glowing things and light that bounces."

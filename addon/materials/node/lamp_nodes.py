@@ -22,8 +22,8 @@ from typing import Any
 import bpy
 
 from ....precompute.light.colour import xyz_to_rgb_matrix
+from ...colour_spaces import working_space
 from ...lights import slots
-from ...versions import working_space
 from ..node_graph import Graph, Socket, interface, new_group
 
 #: Outputs of a slot's group: name, type.

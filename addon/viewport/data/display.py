@@ -14,7 +14,8 @@ from typing import Any
 import bpy
 import numpy as np
 
-from ...versions import smooth_lookups, working_space
+from ... import colour_spaces
+from ...versions import smooth_lookups
 from .blocks import DISPLAY_GAIN, DISPLAY_SIDE, DISPLAY_WHITE, buffer
 
 _VIEW = ("view_transform", "look", "exposure", "gamma", "use_curve_mapping", "use_white_balance",
@@ -25,7 +26,7 @@ def signature(scene: bpy.types.Scene) -> tuple:
     """What decides the cube (points of a curve mapping excepted)."""
     view = scene.view_settings
     return (
-        working_space(),
+        colour_spaces.file_space(),
         scene.display_settings.display_device,
         *(getattr(view, name, None) for name in _VIEW),
     )
@@ -66,7 +67,7 @@ def save_as_render(pixels: np.ndarray, scene: bpy.types.Scene) -> np.ndarray:
         write_as_render(pixels, scene, path, "PNG", "16")
         image = bpy.data.images.load(str(path))
         try:
-            image.colorspace_settings.name = "Non-Color"
+            colour_spaces.set_data(image)
             out = np.empty(pixels.size, np.float32)
             image.pixels.foreach_get(out)
             return out.reshape(pixels.shape)
@@ -83,7 +84,7 @@ def write_as_render(
     # Another scene lends its output settings: those of the user's must not even change for a moment.
     lender = bpy.data.scenes.new("diffraction picture")
     try:
-        image.colorspace_settings.name = working_space()
+        colour_spaces.set_scene_linear(image)
         image.pixels.foreach_set(np.ascontiguousarray(pixels, np.float32).ravel())
         copy_colour_management(scene, lender)
         settings = lender.render.image_settings

@@ -34,7 +34,14 @@ class SeriesOnGpu:
     stamp: tuple
 
 
-def rows(terms: Terms, sigma_s_m: float, shape: tuple[int, int], size_m: tuple[float, float], illuminant: str):
+def rows(
+    terms: Terms,
+    sigma_s_m: float,
+    shape: tuple[int, int],
+    size_m: tuple[float, float],
+    illuminant: str,
+    adapted: bool = False,
+):
     """``(3 + WAVELENGTHS_MAX, 4)`` rows of the block ``DiffractionSeries``.
 
     Parameters
@@ -47,9 +54,11 @@ def rows(terms: Terms, sigma_s_m: float, shape: tuple[int, int], size_m: tuple[f
         Rows and columns of the patch that the terms were made of; its sides along x and y in metres.
     illuminant
         Spectrum of the light.
+    adapted
+        Whether the colours are to be adapted to D65, as those of the table beside it are.
     """
     from ....precompute.bake.window import gaussian_axis
-    from ....precompute.light.colour import spectral_weights
+    from ....precompute.light.colour import adaptation, spectral_weights
 
     count_y, count_x = shape
     dx, dy = size_m[0] / count_x, size_m[1] / count_y
@@ -58,6 +67,9 @@ def rows(terms: Terms, sigma_s_m: float, shape: tuple[int, int], size_m: tuple[f
     scale = dx * dy / ((g_x @ g_x) * (g_y @ g_y))
     step_x, step_y = terms.fx[1] - terms.fx[0], terms.fy[1] - terms.fy[0]
     wavelengths, weights = spectral_weights(WAVELENGTHS_M, illuminant)
+    to_adapted = adaptation(illuminant) if adapted else None
+    if to_adapted is not None:
+        weights = weights @ to_adapted.T
     out = np.zeros((3 + WAVELENGTHS_MAX, 4), np.float32)
     out[0] = terms.fx[0], terms.fy[0], step_x, step_y
     # The window's transform in units of bins: its width, and its height at the centre over the patch's area.
@@ -132,6 +144,7 @@ class SeriesTextures:
                 tuple(info["source"]["shape"]),
                 tuple(info["source"]["size_m"]),
                 info["colour"]["illuminant"],
+                bool(info["colour"].get("adapted")),
             )
             held = self._held[path] = SeriesOnGpu(*upload(terms, block), stamp)
         return held

@@ -52,7 +52,7 @@ def upload(table: SpectralTable) -> TableTextures:
     for index in range(layout.n_w):
         x, y = layout.tile_origin(index)
         stack[index, :, :, :3] = table.atlas[y : y + layout.tile_height, x : x + layout.n_r]
-    albedo = table.atlas[layout.albedo_y :, : layout.n_theta, 0]
+    albedo = table.atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta, 0]
     try:
         slices = gpu.types.GPUTexture(
             (layout.n_r, layout.tile_height), layers=layout.n_w, format="RGBA16F", data=buffer(stack)

@@ -19,7 +19,7 @@ import os, sys
 sys.path.insert(0, {root!r})
 if "import bpy" in {code!r}:
     import bpy
-    from tests.addon import extension
+    from tests.support.blender import extension
     extension.load().register()
 exec(compile({code!r}, "snippet", "exec"))
 sys.stdout.flush()

@@ -23,7 +23,7 @@ READY = """
 import os, sys
 sys.path.insert(0, {root!r})
 import bpy
-from tests.addon import extension, scenes
+from tests.support.blender import extension, scenes
 extension.load().register()
 from precompute.scan.gsf import write_gsf
 from precompute.presets import make_preset

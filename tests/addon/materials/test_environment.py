@@ -7,26 +7,11 @@ import pytest
 
 from precompute.light.colour import luminance_row, xyz_to_rgb_matrix
 from tests.support.blender import extension, materials, scenes, tables
+from tests.support.blender.worlds import white_world
 from tests.truth import radiance
+from tests.truth.hemisphere import hemisphere
 
 VIEWS = [(0.0, 0.0, 1.0), (0.5, 0.3, 1.0), (-0.9, 0.4, 0.6)]
-
-
-def white_world(colour=(1, 1, 1, 1)):
-    world = bpy.data.worlds.new("world")
-    extension.give_nodes(world)
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = colour
-    bpy.context.scene.world = world
-    return world
-
-
-def hemisphere(steps=400):
-    """Directions above the surface and the solid angle of each."""
-    theta = (np.arange(steps) + 0.5) / steps * np.pi / 2
-    phi = (np.arange(steps) + 0.5) / steps * 2 * np.pi
-    theta, phi = np.meshgrid(theta, phi)
-    wi = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], -1)
-    return wi, np.sin(theta) * (np.pi / 2 / steps) * (2 * np.pi / steps)
 
 
 def reflected(table, wr, light=lambda wi: 1.0, conserve=True):
@@ -36,13 +21,8 @@ def reflected(table, wr, light=lambda wi: 1.0, conserve=True):
     return (f_cos * (cell * light(wi))[..., None]).sum((0, 1))
 
 
-def gentle(u, v, w):
-    """`tables.lobes` scaled to an albedo below 1."""
-    return 0.3 * tables.lobes(u, v, w)
-
-
 def patch(tmp_path, view, environment=1, conserve=True, **table_options):
-    table = tables.make_table(tmp_path / "t.exr", gentle, **table_options)
+    table = tables.make_table(tmp_path / "t.exr", tables.gentle, **table_options)
     plane = scenes.add_plane(half=1.0)
     scenes.add_camera(view, extent=0.5)
     materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE", environment=environment, conserve_energy=conserve)
@@ -98,7 +78,7 @@ def test_emitting_mesh_is_seen(blender, tmp_path):
     glow.node_tree.links.new(emission.outputs[0], output.inputs[0])
     panel.data.materials.append(glow)
     view = (0.1, -0.6, 1.0)
-    table = tables.make_table(tmp_path / "t.exr", gentle)
+    table = tables.make_table(tmp_path / "t.exr", tables.gentle)
     plane = scenes.add_plane(half=0.05)
     scenes.add_camera(view, extent=0.04, distance=0.6)
     materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE")
@@ -138,7 +118,7 @@ def test_snake_in_a_white_furnace(blender, snake, theta):
 def test_noise_has_no_structure_far_from_the_origin(blender, tmp_path):
     """Camera and surface a thousand units away, orthographic: neighbouring pixels stay independent."""
     white_world()
-    tables.make_table(tmp_path / "t.exr", gentle)
+    tables.make_table(tmp_path / "t.exr", tables.gentle)
     plane = scenes.add_plane(half=1.0)
     camera = scenes.add_camera((0.2, 0.1, 1.0), extent=0.5)
     for ob in (plane, camera):

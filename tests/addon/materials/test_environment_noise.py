@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from precompute.light.colour import luminance_row
-from tests.addon.materials.test_environment import gentle, hemisphere, white_world
-from tests.precompute.table.test_importance import direction, ideal_spread
 from tests.support.blender import extension, materials, scenes, tables
+from tests.support.blender.worlds import white_world
 from tests.truth import radiance
+from tests.truth.hemisphere import direction, hemisphere, ideal_spread
 
 
 def gradient(wi):
@@ -128,7 +128,7 @@ def far_away(blender, tmp_path):
 
     def make(kind, distance):
         white_world()
-        tables.make_table(tmp_path / "t.exr", gentle)
+        tables.make_table(tmp_path / "t.exr", tables.gentle)
         plane = scenes.add_plane(half=1.0)
         camera = scenes.add_camera((0.2, 0.1, 1.0), extent=0.5, distance=distance)
         if kind == "PERSP":

@@ -10,9 +10,10 @@ from precompute.light.colour import luminance_row, xyz_to_rgb_matrix
 from precompute.parameters import BakeParameters
 from precompute.presets import PRESETS, make_preset
 from precompute.table.table import SpectralTable
-from tests.addon.materials.test_environment import hemisphere, white_world
 from tests.support.blender import materials, scenes
+from tests.support.blender.worlds import white_world
 from tests.truth import radiance
+from tests.truth.hemisphere import hemisphere
 
 
 def furnace(path, theta, samples=64, size=48, **settings):

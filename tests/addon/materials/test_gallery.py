@@ -18,9 +18,8 @@ BEND, SIZE = math.radians(17.0), 192
 
 
 @pytest.fixture
-def gallery(root_dir, monkeypatch):
-    monkeypatch.syspath_prepend(str(root_dir / "tools"))
-    from gallery import plates, stage
+def gallery():
+    from tools.docs.gallery import plates, stage
 
     return stage, plates
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from precompute.light.colour import xyz_to_rgb_matrix
-from tests.addon.materials.test_lamps import add_lamp
 from tests.support.blender import materials, scenes
+from tests.support.blender.lamps import add_lamp
 from tests.truth import lamps as truth
 from tests.truth import radiance
 
@@ -133,7 +133,7 @@ def test_eight_lamps(blender, snake, name):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", KINDS)
 def test_eight_lamps_on_constant_f(blender, monkeypatch, tmp_path, name):
-    from tests.addon.materials.test_lamps import both
+    from tests.support.blender.against_diffuse import both
 
     kind, data = KINDS[name]
     for number in range(8):

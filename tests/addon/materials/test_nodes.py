@@ -5,17 +5,16 @@ import bpy
 import numpy as np
 import pytest
 
-from tests.addon.materials.test_environment import white_world
-from tests.addon.materials.test_lamps import LAMPS, add_lamp
-from tests.addon.materials.test_suns import rising
 from tests.support.blender import materials, scenes, tables
+from tests.support.blender.lamps import LAMPS, add_lamp
+from tests.support.blender.worlds import white_world
 from tests.support.compare import assert_images_agree
 
 SUNS = [(0.3, -0.4, 0.8), (-0.5, 0.6, 0.7)]
 
 
 def two_suns(tmp_path, suns=SUNS, **mesh):
-    tables.make_table(tmp_path / "t.exr", tables.lobes, albedo=rising)
+    tables.make_table(tmp_path / "t.exr", tables.lobes, albedo=tables.rising)
     sphere = scenes.add_sphere(**mesh)
     for number, direction in enumerate(suns):
         scenes.add_sun(direction, name=f"sun {number}")

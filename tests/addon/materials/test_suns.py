@@ -8,6 +8,7 @@ from mathutils import Euler, Matrix, Vector
 
 from precompute.light.colour import xyz_to_rgb_matrix
 from tests.support.blender import extension, scenes, tables
+from tests.support.blender.sphere_truth import expected
 from tests.support.compare import assert_images_agree
 from tests.truth import radiance
 
@@ -27,28 +28,9 @@ def diffracting(ob, table_path, lamps=None, **settings):
     return made
 
 
-def expected(ob, table, suns, size, reflectance=lambda wi, wr: 1.0, **options):
-    """RGB of the sphere under unit suns from `suns` (world directions), and the pixels that can be compared."""
-    hit, _, t, b, n = scenes.sphere_frames(ob, size)
-    to_viewer = -scenes.camera_rays(size)[1]
-    wr = radiance.local(to_viewer, t, b, n)
-    total, good = np.zeros((*hit.shape, 3)), hit & (wr[..., 2] > 0.05)
-    for sun in suns:
-        wi = radiance.local(np.asarray(sun) / np.linalg.norm(sun), t, b, n)
-        f_cos = radiance.gamut_step(radiance.f_cos_xyz(table, wi, wr, **options), xyz_to_rgb_matrix())
-        total += f_cos * np.asarray(reflectance(wi, wr))[..., None]
-        good &= wi[..., 2] > 0.05
-    return total, good & (total.max(-1) > 1e-3)
-
-
-def rising(theta, phi):
-    """An albedo that passes 1 towards grazing, more so to one side."""
-    return 0.8 + 0.6 * (theta / (np.pi / 2)) ** 2 * (1 + 0.3 * np.cos(phi))
-
-
 @pytest.mark.parametrize("conserve", [True, False])
 def test_sphere_under_one_sun(blender, tmp_path, conserve):
-    table = tables.make_table(tmp_path / "t.exr", tables.lobes, albedo=rising)
+    table = tables.make_table(tmp_path / "t.exr", tables.lobes, albedo=tables.rising)
     sphere, direction = scenes.add_sphere(), (0.3, -0.4, 0.8)
     scenes.add_sun(direction)
     scenes.add_camera((0.2, 0.1, 1.0))

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from precompute.light.colour import xyz_to_rgb_matrix
-from tests.addon.materials.test_suns import expected
 from tests.support.blender import materials, scenes, tables
+from tests.support.blender.sphere_truth import expected
 from tests.support.compare import assert_images_agree
 from tests.truth import radiance
 

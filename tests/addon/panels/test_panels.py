@@ -10,6 +10,7 @@ import bpy
 import pytest
 
 from tests.support.blender import extension, scenes, tables
+from tests.support.blender.panels import all_panels, everything, plane_with_material, preset, shown, words
 
 STAGES = ["Scan", "Levelling", "Bake", "Material", "Viewport", "Evaluate"]
 
@@ -21,46 +22,6 @@ def project(blender, tmp_path):
     return tmp_path
 
 
-def all_panels():
-    return [
-        getattr(bpy.types, name)
-        for name in dir(bpy.types)
-        if name.startswith("DIFFRACTION_PT_") and getattr(bpy.types, name).bl_category == "Diffraction"
-    ]
-
-
-def draw(cls):
-    """What a panel shows: None where its poll says no, else the text of its header and body."""
-    if hasattr(cls, "poll") and not cls.poll(bpy.context):
-        return None
-    text = ""
-    for name in ("draw_header", "draw_header_preset", "draw"):
-        if hasattr(cls, name):
-            layout = bpy.context.window_manager.popmenu_begin__internal("test").layout
-            getattr(cls, name)(type("Panel", (), {"layout": layout, "bl_label": cls.bl_label}), bpy.context)
-            text += json.dumps(layout.introspect(), default=str, ensure_ascii=False)
-    return text
-
-
-def shown(name):
-    return draw(getattr(bpy.types, f"DIFFRACTION_PT_{name}"))
-
-
-def words(text):
-    """The words of all labels in their order; sentences are wrapped over several labels."""
-    return " ".join(" ".join(re.findall(r'"draw_string": "([^"]*)"', text)).split())
-
-
-def everything():
-    """All panels drawn, in one text; drawing must never fail."""
-    return " ".join(text for cls in all_panels() if (text := draw(cls)) is not None)
-
-
-def preset(**options):
-    assert bpy.ops.diffraction.make_preset(preset="sinusoid", size_um=10, **options) == {"FINISHED"}
-    return bpy.context.scene.diffraction
-
-
 def stand_in_table(folder):
     """A table as if it had been baked of the scene's scan with the panel's settings; no bake."""
     from diffraction_shader.addon.tables import recipe
@@ -70,16 +31,6 @@ def stand_in_table(folder):
     state.table_path = "//diffraction/sinusoid.exr"
     state.table_recipe = recipe.make(state)
     return state
-
-
-def plane_with_material():
-    plane = scenes.add_plane()
-    scenes.add_sun((0.1, 0.2, 1.0))
-    bpy.context.view_layer.update()
-    plane.select_set(True)
-    bpy.context.view_layer.objects.active = plane
-    assert bpy.ops.diffraction.apply_material() == {"FINISHED"}
-    return plane
 
 
 def refusal(operator, **options):
@@ -213,12 +164,12 @@ def test_every_preset_has_its_parameters_in_the_panel(project):
     from diffraction_shader.precompute.presets import PRESETS
 
     state = bpy.context.scene.diffraction
-    for name, preset in PRESETS.items():
+    for name, structure in PRESETS.items():
         state.preset = name
         text = shown("preset")
-        for parameter in preset.parameters:
+        for parameter in structure.parameters:
             assert preset_properties.label(parameter) in text
-        assert preset.source.split()[0] in words(text)
+        assert structure.source.split()[0] in words(text)
 
 
 def test_parameters_of_a_preset_arrive(project):
@@ -610,7 +561,7 @@ def test_esc_stops_a_threaded_operator(project):
 
 def given(cls, **values):
     """Stands in for an operator that a panel's button calls."""
-    values["properties"] = type("Given", (), {"is_property_set": lambda self, name, ghost: name in values})()
+    values["properties"] = type("Given", (), {"is_property_set": lambda self, name, ghost=True: name in values})()
     return type("Operator", (), {**values, "jobs": cls.jobs, "finished": cls.finished})()
 
 

@@ -10,8 +10,8 @@ import pytest
 from precompute.light.colour import xyz_to_rgb_matrix
 from precompute.light.illuminant import illuminant_of, read_spectrum
 from precompute.table.table import SpectralTable
-from tests.addon.panels.test_panels import plane_with_material, preset, shown, words
-from tests.precompute.light.test_illuminant import cie, light_file
+from tests.support.blender.panels import plane_with_material, preset, shown, words
+from tests.support.light_files import cie, light_file
 
 
 @pytest.fixture
@@ -39,7 +39,7 @@ def test_file_is_baked_and_its_change_is_told(project):
     plane = plane_with_material()
     matrix = [tuple(plane.active_material.node_tree.nodes["Diffraction"].inputs[f"To{c}"].default_value)
               for c in ("Red", "Green", "Blue")]  # fmt: skip
-    assert np.allclose(matrix, xyz_to_rgb_matrix("Linear Rec.709", light), atol=1e-6)
+    assert np.allclose(matrix, xyz_to_rgb_matrix("Linear Rec.709", "D65"), atol=1e-6)
 
     from diffraction_shader.addon.viewport import looks
 

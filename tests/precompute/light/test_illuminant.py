@@ -19,21 +19,7 @@ from precompute.scan.gsf import write_gsf
 from precompute.sweep import make_tasks
 from precompute.table.cache import TableCache, table_key
 from precompute.table.table import SpectralTable
-
-
-def cie(name="D65"):
-    """Wavelengths in nm and values that colour-science holds."""
-    import colour
-
-    found = colour.SDS_ILLUMINANTS[name]
-    return np.asarray(found.wavelengths), np.asarray(found.values)
-
-
-def light_file(path, nm, power, separator=",", header=""):
-    """A file as spectrometers write it."""
-    rows = [f"{a:.10g}{separator}{b:.10g}" for a, b in zip(nm, power, strict=True)]
-    path.write_text(header + "\n".join(rows) + "\n", encoding="utf-8")
-    return path
+from tests.support.light_files import cie, light_file
 
 
 def line_at(centre_nm, width_nm=2.0, step_nm=0.1):
@@ -155,7 +141,8 @@ def test_table_and_cache_carry_the_spectrum(tmp_path, scan, quick):
     found = illuminant_of(table.info["colour"]["illuminant"])
     assert found == light
     assert found.name == "lamp.csv"
-    assert np.array_equal(white_xyz(table.info["colour"]["illuminant"]), table.info["colour"]["white_xyz"])
+    assert table.light == table.info["colour"]["adapted"] == "D65"
+    assert white_xyz("D65") == pytest.approx(table.info["colour"]["white_xyz"])
     # Baked again from nothing but the sidecar: the same key, so the cache has it; the name may be another one.
     again = BakeParameters(illuminant=illuminant_of({**to_json(found), "name": "other.csv"}), **quick)
     report = bake_file(tmp_path / "scan.gsf", tmp_path / "again", again, cache=cache)

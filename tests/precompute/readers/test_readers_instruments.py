@@ -148,7 +148,7 @@ def test_the_bumps_have_the_lattice_of_the_array(scan_dir):
 
 def test_every_file_of_the_folder_opens_or_is_refused_in_a_sentence(scan_dir):
     refused = []
-    for path in sorted(scan_dir.iterdir()):
+    for path in sorted(path for path in scan_dir.iterdir() if path.is_file()):
         options = {"size_m": (65e-6, 65e-6), "height_m": 818.69e-9} if path.suffix == ".png" else {}
         try:
             assert read_scan(path, **options).size_m[0] > 0

@@ -10,6 +10,7 @@ from precompute.table import importance as module
 from precompute.table.importance import albedo_free_cosine, importance, read_origin, save_importance
 from tests.support.blender import tables
 from tests.truth import radiance
+from tests.truth.hemisphere import around_the_mirror, direction, ideal_spread
 
 VIEWS = [(0, 0), (17, 11), (40, 53), (40, 200), (60, 171), (75, 300)]
 
@@ -22,12 +23,6 @@ def table(tmp_path_factory):
 @pytest.fixture(scope="module")
 def found(table):
     return importance(table)
-
-
-def direction(theta, phi):
-    """Unit vector of polar angle and azimuth in degrees."""
-    theta, phi = np.radians(theta), np.radians(phi)
-    return np.array([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)])
 
 
 def drawn(found, wr, count, seed=0):
@@ -44,27 +39,6 @@ def patch(wi):
     """A small bright patch in a dim sky."""
     axis = direction(25, -40)
     return 0.1 + 30.0 * (wi @ axis > np.cos(0.15))
-
-
-def around_the_mirror(wr, radii=500, turns=360):
-    """Directions above the surface and their solid angles: polar in (u, v), fine near the specular direction."""
-    edges = 0.004 * np.sinh(np.linspace(0.0, np.arcsinh(2.0 / 0.004), radii + 1))
-    phi = (np.arange(turns) + 0.5) * (2 * np.pi / turns)
-    r, phi = np.meshgrid(0.5 * (edges[1:] + edges[:-1]), phi)
-    x, y = -r * np.cos(phi) - wr[0], -r * np.sin(phi) - wr[1]
-    z2 = 1 - x**2 - y**2
-    good = z2 > 1e-6
-    wi = np.stack([x[good], y[good], np.sqrt(z2[good])], -1)
-    area = np.broadcast_to(np.diff(edges**2) * (np.pi / turns), r.shape)
-    return wi, area[good] / wi[:, 2]
-
-
-def ideal_spread(table, wr, light):
-    """Mean and relative spread of one sample of the sampler whose density is the luminance of f cos."""
-    wi, cell = around_the_mirror(wr)
-    f_cos = radiance.f_cos_xyz(table, wi, wr)[:, 1] * cell
-    mean = (f_cos * light(wi)).sum()
-    return mean, np.sqrt(f_cos.sum() * (f_cos * light(wi) ** 2).sum() / mean**2 - 1)
 
 
 @pytest.mark.parametrize("view", VIEWS)

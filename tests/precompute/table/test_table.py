@@ -62,15 +62,22 @@ def test_mapping_ends_where_it_must():
     assert lay.slice_coordinate(0.001) == 0
 
 
-def test_tiles_do_not_overlap_and_leave_room_for_the_albedo():
-    lay = layout()
+@pytest.mark.parametrize("more", [{}, {"n_albedo": 3, "n_reflectance": 91}, {"guarded": 0}])
+def test_tiles_do_not_overlap_and_leave_room_for_the_albedo(more):
+    lay = layout(**more)
     taken = np.zeros((lay.height, lay.width), int)
     for k in range(lay.n_w):
         x, y = lay.tile_origin(k)
         taken[y : y + lay.tile_height, x : x + lay.n_r] += 1
-    taken[lay.albedo_y :, : lay.n_theta] += 1
+    for tile in range(lay.n_albedo):
+        first = lay.albedo_y + tile * lay.albedo_height
+        taken[first : first + lay.n_albedo_phi + 2, : lay.n_theta] += 1
+    if lay.n_reflectance:
+        taken[lay.reflectance_y - 1 : lay.reflectance_y + 2, : lay.n_reflectance] += 1
+    if lay.guarded:
+        taken[lay.guard_y - 2 : lay.guard_y + 3, lay.guard_x - 2 : lay.guard_x + 3] += 1
     assert taken.max() == 1
-    assert lay.albedo_y + lay.n_albedo_phi + 2 == lay.height
+    assert taken[-1].max() == 1
 
 
 def test_columns_keep_the_atlas_near_a_square():

@@ -2,6 +2,7 @@
 """The checkout as the package that Blender would make of it, since the add-on imports relatively."""
 
 import importlib.util
+import os
 import sys
 from pathlib import Path
 
@@ -26,3 +27,11 @@ def give_nodes(block):
     if block.node_tree is None:
         block.use_nodes = True
     return block.node_tree
+
+
+def loaded():
+    """The package as Blender remembers one that it has loaded: otherwise it looks for it to load it again."""
+    package = load()
+    package.__time__ = os.path.getmtime(package.__file__)
+    package.__addon_enabled__ = False
+    return package

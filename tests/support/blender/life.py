@@ -16,7 +16,7 @@ ROOT = Path(__file__).resolve().parents[3]
 _MAIN = """
 import json, os, sys
 import bpy
-from tests.addon import extension, life
+from tests.support.blender import extension, life
 bpy.ops.wm.read_factory_settings(use_empty=True)
 name, addon, arguments = sys.argv[1], sys.argv[2] == "True", json.loads(sys.argv[3])
 if addon:
@@ -184,7 +184,7 @@ def link_and_collect(path, target):
     """Link the collection into a new file in another folder, save it and collect, twice."""
     import bpy
 
-    from tests.addon.panels.test_panels import shown, words
+    from tests.support.blender.panels import shown, words
 
     link_to(path, target)
     before = words(shown("files"))

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from precompute.table.layout import TableLayout, near_square_columns
+from precompute.table.layout import TableLayout, near_square_columns, put_guard
 from precompute.table.table import SpectralTable
 
 WHITE = (0.95047, 1.0, 1.08883)
@@ -30,12 +30,13 @@ def make_table(path, transform, albedo=None, n_r=96, n_phi=120, n_w=12, power=1.
         np.linspace(0, np.pi / 2, layout.n_theta), np.arange(layout.n_albedo_phi) * 2 * np.pi / layout.n_albedo_phi
     )
     values = np.full_like(theta, 0.5) if albedo is None else albedo(theta, phi)
-    tile = atlas[layout.albedo_y :, : layout.n_theta]
+    tile = atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta]
     tile[1:-1] = values[..., None]
     tile[0], tile[-1] = tile[-2], tile[1]
+    put_guard(atlas, layout)
     info = {
         "albedo_max": float(values.max()),
-        "colour": {"illuminant": "D65", "observer": "CIE 1931 2 degree", "white_xyz": list(WHITE)},
+        "colour": {"illuminant": "D65", "adapted": "D65", "observer": "CIE 1931 2 degree", "white_xyz": list(WHITE)},
         "parameters": {},
         "source": {},
         "terms": 0,
@@ -56,3 +57,13 @@ def lobes(u, v, w):
     green = np.array([0.1, 0.3, 0.05]) * bump(-0.1, 0.6, 0.2)[..., None]
     blue = np.array([0.2, 0.1, 0.9]) * bump(-0.4, -0.5, 0.25)[..., None]
     return (grey + red + green + blue) * np.abs(w)[..., None]
+
+
+def gentle(u, v, w):
+    """`lobes` scaled to an albedo below 1."""
+    return 0.3 * lobes(u, v, w)
+
+
+def rising(theta, phi):
+    """An albedo that passes 1 towards grazing, more so to one side."""
+    return 0.8 + 0.6 * (theta / (np.pi / 2)) ** 2 * (1 + 0.3 * np.cos(phi))
