@@ -20,7 +20,7 @@ help:
 	@echo "make test-4.5   the smoke tests in Blender 4.5 LTS, set up in .venv-4.5 (needs Python 3.11)"
 	@echo "make fuzz       hostile files, kill -9, full disks: what tests/trust holds, slow ones too"
 	@echo "make bench      times, memory and accuracy of a bake"
-	@echo "make lint       ruff check and format; make types: mypy on precompute/"
+	@echo "make lint       ruff check and format; make types: mypy on precompute/ and addon/"
 	@echo "make docs       the pictures of docs/"
 	@echo "make build      the extension, one zip a platform, in dist/"
 
@@ -76,7 +76,7 @@ lint: $(READY)
 	@$(PY) -m ruff format --check .
 
 types: $(READY)
-	@$(PY) -m mypy
+	@$(PY) tools/build/check_types.py
 
 docs: $(READY)
 	@$(PY) tools/docs/all.py

@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ...precompute.errors import Cancelled, DiffractionError
 from . import progress
 from .job import Job
+from .wording import in_window
 
 
-def has_scan(cls: type, context: bpy.types.Context) -> bool:
+def has_scan(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether the scene has a scan; says on the button why not."""
     if not context.scene.diffraction.scan_path:
         cls.poll_message_set("Import a scan or use a preset first")
@@ -20,7 +21,13 @@ def has_scan(cls: type, context: bpy.types.Context) -> bool:
     return True
 
 
-class Threaded:
+if TYPE_CHECKING:
+    _Operator = bpy.types.Operator
+else:
+    _Operator = object
+
+
+class Threaded(_Operator):
     """Mixin of operators whose work is a list of jobs.
 
     An operator gives `title`, `jobs` and `finished`; panels and status bar show the progress.
@@ -111,7 +118,7 @@ class Threaded:
 
     def _fail(self, error):
         text = str(error) or "There is not enough memory for this; take a smaller scan or a smaller table."
-        self.report({"ERROR"}, text)
+        self.report({"ERROR"}, in_window(text))
         return {"CANCELLED"}
 
     def _show(self, context):
@@ -156,7 +163,7 @@ def redraw(context) -> None:
                 area.tag_redraw()
 
 
-def busy(cls: type) -> bool:
+def busy(cls: type[bpy.types.Operator]) -> bool:
     """Whether another job runs; says so on the button."""
     if progress.running() is not None:
         cls.poll_message_set("A bake or another computation is running; Esc stops it")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, TypeGuard
 
 import bpy
 
@@ -71,7 +72,7 @@ class Settings:
     environment: int = 1
 
 
-def is_ours(material: bpy.types.Material | None) -> bool:
+def is_ours(material: bpy.types.Material | None) -> TypeGuard[bpy.types.Material]:
     """Whether a material renders a table."""
     return material is not None and group.owner(material) is not None
 
@@ -81,7 +82,7 @@ def any_ours() -> bool:
     return any(keys.TABLE in tree for tree in bpy.data.node_groups) or any(keys.TABLE in m for m in bpy.data.materials)
 
 
-def shader_node(material: bpy.types.Material) -> bpy.types.Node | None:
+def shader_node(material: bpy.types.Material) -> Any:
     """The node of a material that holds the sockets of the diffraction."""
     node = group.find(material.node_tree)
     if node is None and keys.TABLE in material and material.node_tree is not None:

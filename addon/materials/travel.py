@@ -131,6 +131,7 @@ def _unpack(image: bpy.types.Image) -> Path:
     """A packed image as a file, with the sidecar that its header carries."""
     from ...precompute.files.exr import read_text
 
+    assert image.packed_file is not None  # of what else would it be a file
     content = image.packed_file.data
     target = unpacked_place(image)
     if not target.is_file() or hashlib.sha256(target.read_bytes()).digest() != hashlib.sha256(content).digest():

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
@@ -83,7 +85,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
             self.report({"WARNING"}, str(error))
         megabytes = result.table.layout.texel_bytes / 1e6
         terms, seconds = result.table.info["terms"], result.seconds["total"]
-        by = "" if result.cache == "hit" else f" ({self._jobs[0].device})"
+        by = "" if result.cache == "hit" else f" ({cast(BakeJob, self._jobs[0]).device})"
         return f"Baked {result.path.name}: {megabytes:.0f} MB, {terms} terms, {seconds:.1f} s{by}"
 
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ...precompute.errors import DiffractionError
@@ -97,7 +99,7 @@ def _estimate(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
         column.label(text=f"{megabytes(cost.texel_bytes)} of texture when rendering", icon="TEXTURE")
 
 
-def _table(layout: bpy.types.UILayout, state: bpy.types.PropertyGroup, found: TableState) -> None:
+def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:
     if found.kind == NONE:
         return
     if found.kind != READY:

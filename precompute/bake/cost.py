@@ -11,8 +11,8 @@ from ..scan.heightfield import HeightField
 from ..table.layout import TableLayout
 from .baking import ANGLES_A_BLOCK, estimate, resolve_sigma_s
 from .budget import bake_bytes
-from .intensity import LAG_CUT
 from .series import node_count
+from .transforms import LAG_CUT
 
 #: Seconds a padded pixel and node of kappa (transforms), a texel and node (spectral sum), and for
 #: everything else, libraries among it. Fitted to bakes of six scans on two cores of 2.5 GHz.

@@ -13,6 +13,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """TABLE and two directions."""
     parser.add_argument("table", metavar="TABLE", help="the table's .exr or .json")
     options.add_directions(parser)
+    options.add_scaling(parser)
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
@@ -23,15 +24,16 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     from ..light.colour import adaptation
     from ..table.table import SpectralTable
 
-    table = SpectralTable.load(args.table)
+    table, note = options.scaled(args, SpectralTable.load(args.table))
     xyz = brdf(table, options.direction(args.wi), options.direction(args.wr))
     colour = table.info["colour"]
     to_adapted = adaptation(colour["illuminant"]) if colour.get("adapted") else None
     if to_adapted is not None:
         xyz = np.linalg.solve(to_adapted, xyz)
-    return {"xyz": [float(value) for value in xyz]}
+    return {"xyz": [float(value) for value in xyz], **note}
 
 
 def describe(result: dict[str, Any]) -> str:
     """One line."""
-    return "XYZ  " + "  ".join(f"{value:.6g}" for value in result["xyz"]) + "  1/sr"
+    line = "XYZ  " + "  ".join(f"{value:.6g}" for value in result["xyz"]) + "  1/sr"
+    return "\n".join([line, *([result["note"]] if "note" in result else [])])

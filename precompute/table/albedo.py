@@ -51,7 +51,7 @@ def albedo_map(
     ndarray
         ``(n_albedo_phi, n_theta)``; the largest of X, Y and Z relative to white.
     """
-    from scipy.fft import rfft
+    from numpy.fft import rfft
 
     sectors = min(SECTORS, layout.n_phi)
     spectrum = rfft(_sector_means(texels, sectors).astype(np.float32), axis=-1)  # (n_r, n_w, 3, m)

@@ -32,6 +32,11 @@ def preset_pictures():
     )
 
 
+def paint_picture():
+    """Recipes of grating paint."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs" / "paint_pictures.py"], check=True)
+
+
 def viewport_picture():
     """Cycles, the viewport and FLSS side by side."""
     subprocess.run([sys.executable, ROOT / "tools" / "docs" / "viewport_pictures.py", "--out", PICTURES], check=True)
@@ -65,6 +70,7 @@ def main():
     PICTURES.mkdir(parents=True, exist_ok=True)
     demo_pictures()
     preset_pictures()
+    paint_picture()
     guide()
     gallery()
     viewport_picture()
