@@ -69,7 +69,6 @@ def picture(size=16):
 def sockets():
     """Absolute paths that each material's shader reads, and whether they are files."""
     import bpy
-
     from diffraction_shader.addon.materials.node import group
 
     found = {}
