@@ -134,11 +134,12 @@ def is_portal(light: bpy.types.Light) -> bool:
 
 def with_sets(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
     """A scene and those that it shows behind itself."""
-    seen = set()
-    while scene is not None and scene not in seen:
-        seen.add(scene)
-        yield scene
-        scene = scene.background_set
+    seen: set[bpy.types.Scene] = set()
+    each: bpy.types.Scene | None = scene
+    while each is not None and each not in seen:
+        seen.add(each)
+        yield each
+        each = each.background_set
 
 
 def lamp_objects(scene: bpy.types.Scene) -> list[LampObject]:
@@ -218,7 +219,8 @@ def describe(lamp: LampObject) -> Lamp:
 
 def source(scene: bpy.types.Scene, lamp: LampObject) -> Source:
     """A lamp as an entry of the scene's list."""
-    chain, ob, light = getattr(lamp, "chain", ()), getattr(lamp, "lamp", lamp), lamp.data
+    chain, light = getattr(lamp, "chain", ()), lamp.data
+    ob = lamp.lamp if isinstance(lamp, InstancedLamp) else lamp
     kind, uneven = lamp_kind(light), is_uneven(light)
     sizes = [Variable("s", light, path) for path in _size_paths(light)]
     place = chains.column_of(scene, chain, ob, 2 if kind == "SUN" else 3)

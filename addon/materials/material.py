@@ -272,9 +272,9 @@ def _surface_output(tree: bpy.types.NodeTree, target: str) -> bpy.types.Node:
     return output if output is not None else tree.nodes.new("ShaderNodeOutputMaterial")
 
 
-def _connect(node: bpy.types.Node, settings: Settings) -> None:
+def _connect(node: Any, settings: Settings) -> None:
     """Put the node between a shader that is there and the output; one that is in use stays where it is."""
-    tree = node.id_data
+    tree: Any = node.id_data
     if not node.outputs["BSDF"].links:
         output = _surface_output(tree, "CYCLES")
         surface = output.inputs["Surface"]
@@ -338,6 +338,6 @@ def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) 
         tree.links.new(angle, node.inputs["Rotation"])
 
 
-def needs_handedness(node: bpy.types.Node) -> bool:
+def needs_handedness(node: Any) -> bool:
     """Whether a node takes a direction and the sign of mirrored UV maps, rather than two vectors of normal maps."""
     return node.node_tree[keys.IMPLEMENTATION] == "OSL" and tells_mirrored_uv()

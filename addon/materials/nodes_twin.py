@@ -114,20 +114,20 @@ class _Surface:
         products with M's columns, the images of the axes. (Vector Transform itself treats normals as directions.)
         """
         graph = self.graph
-        total: Value = (0.0, 0.0, 0.0)
+        total: Any = (0.0, 0.0, 0.0)
         for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-            column = graph.add(
+            turned = graph.add(
                 "ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD"
             )
-            graph.put(column.inputs[0], axis)
-            column = column.outputs[0]
+            graph.put(turned.inputs[0], axis)
+            column = turned.outputs[0]
             total = graph.vector("ADD", total, graph.scaled(column, graph.scalar("DOT_PRODUCT", given, column)))
         return total
 
     def _frame(self) -> tuple[Socket, Socket]:
         graph, n = self.graph, self._n
         is_given = graph.math("GREATER_THAN", graph.scalar("LENGTH", self._in["Tangent"]), 0.0)
-        of_uv = frame.uv_frame(graph.tree)  # where none is given
+        of_uv: Any = frame.uv_frame(graph.tree)  # where none is given
         for socket in of_uv:
             socket.node.hide = True
         tangent = graph.mix(is_given, of_uv[0], self._in["Tangent"])
@@ -200,7 +200,7 @@ class _Surface:
         self.graph.put(node.inputs[1], b)
         return node.outputs[0]
 
-    def emitted(self, colour: Socket) -> Socket:
+    def emitted(self, colour: Value) -> Socket:
         """A closure that shows a colour."""
         node = self.graph.add("ShaderNodeEmission")
         self.graph.put(node.inputs["Color"], colour)

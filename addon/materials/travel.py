@@ -89,7 +89,7 @@ def sync(known: bpy.types.ID, folder: Path | None = None) -> bool:
         Write paths as seen from here (the .blend is about to be saved there); None takes what can be read now.
     """
     linked = known.library is not None
-    tree = known.node_tree if isinstance(known, bpy.types.Material) else known
+    tree: Any = known.node_tree if isinstance(known, bpy.types.Material) else known
     if tree is None or (linked and folder is not None):
         return False
     node = group.script_of(tree)
