@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FLOORS = {
     "precompute": (
         ("constants", "errors", "faces", "old_names"),
-        ("light", "files"),
+        ("light", "files", "stack"),
         ("parameters",),
         ("scan",),
         ("readers", "presets", "table", "paint"),
@@ -28,10 +28,10 @@ FLOORS = {
     "addon": (
         ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures", "renderers"),
-        ("tables",),
+        ("tables", "lights"),
         ("materials",),
         ("viewport",),
-        ("preset_properties",),
+        ("assets", "preset_properties"),
         ("properties", "preferences"),
         ("operators",),
         ("panels",),

@@ -3,13 +3,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
 from .. import paths, properties, renderers
 from ..given import take
-from ..materials import lights, material, setup
+from ..lights import gather
+from ..materials import handlers, material, setup
 from ..versions import give_nodes, limits
 
 _FROM_PANEL = (
@@ -93,21 +98,9 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         elif implementation == "OSL" and not renderers.has_osl():
             self.report({"ERROR"}, NO_OSL)
             return {"CANCELLED"}
-        settings = material.Settings(
-            implementation=implementation,
-            fresnel=self.fresnel,
-            ior=self.ior,
-            conserve_energy=self.conserve_energy,
-            orientation=self.orientation,
-            uv_map=self.uv_map,
-            attribute=self.attribute,
-            angle_image=self.angle_image,
-            rotation=self.rotation,
-            environment=self.environment,
-        )
+        settings = settings_from(self, implementation)
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
-        lamps = lights.lamp_objects(context.scene)
         setup.take_up(context.scene)
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
@@ -115,7 +108,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             targets = [ob for ob in context.selected_objects if _takes_material(ob)]
             shared = _shared(targets)
             copied = shared if self.own_copy else {}
-            made = _make(targets, copied, table.stem, lambda new: material.apply(new, table, settings, lamps))
+            made = _make(targets, copied, table.stem, lambda new: material.apply(new, table, settings))
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -123,7 +116,9 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             manager.progress_end()
         for ob in targets:
             _give(ob, made[ob.active_material])
-        notes = setup.prepare_scene(context.scene, lamps, implementation == "OSL")
+        handlers.update_all()
+        found = handlers.search(context.scene)
+        notes = setup.prepare_scene(context.scene, implementation == "OSL")
         name = {"OSL": "OSL", "NODES": "Nodes"}[implementation]
         chosen = f"{len(made)} material{'s' * (len(made) != 1)} set up with {name}" + (
             f", because {why}" if why else ""
@@ -131,14 +126,50 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         self.report({"INFO"}, ". ".join([chosen, *notes]))
         for each, others in shared.items() if not self.own_copy else ():
             self.report({"WARNING"}, _changed_too(each, others))
-        if not lamps and context.scene.world is None:
+        if not found.chosen and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
         for sentence in limits():
             self.report({"INFO"}, sentence)
-        limit = min(map(material.lamps_max, made.values()))
-        if len(lamps) > limit:
-            self.report({"WARNING"}, lights.too_many(lamps, limit))
+        if found.left_out:
+            self.report({"WARNING"}, gather.too_many(found))
         return {"FINISHED"}
+
+
+def settings_from(owner: Any, implementation: str) -> material.Settings:
+    """The artist's choice, as an operator or the scene's group holds it.
+
+    Parameters
+    ----------
+    owner
+        Of the properties.
+    implementation
+        ``OSL`` or ``NODES``: what *Automatic* stood for.
+    """
+    return material.Settings(
+        implementation=implementation,
+        fresnel=owner.fresnel,
+        ior=owner.ior,
+        conserve_energy=owner.conserve_energy,
+        orientation=owner.orientation,
+        uv_map=owner.uv_map,
+        attribute=owner.attribute,
+        angle_image=owner.angle_image,
+        rotation=owner.rotation,
+        environment=owner.environment,
+    )
+
+
+def set_up(scene: bpy.types.Scene, shown: bpy.types.Material, table: Path, settings: material.Settings) -> list[str]:
+    """Let one material show a table, and the scene have what that needs; what was changed, for people.
+
+    Raises
+    ------
+    DiffractionError
+        If the table cannot be used.
+    """
+    material.apply(shown, table, settings)
+    handlers.update_all()
+    return setup.prepare_scene(scene, settings.implementation == "OSL")
 
 
 def _takes_material(ob: bpy.types.Object) -> bool:
@@ -165,7 +196,12 @@ def _changed_too(each: bpy.types.Material, others: list[bpy.types.Object]) -> st
     return f"{names} share{'s' * (len(others) == 1)} {each.name} and changed too; Own Copy below keeps them apart"
 
 
-def _make(targets, copied, stem, apply) -> dict:
+def _make(
+    targets: list[bpy.types.Object],
+    copied: dict[bpy.types.Material, list[bpy.types.Object]],
+    stem: str,
+    apply: Callable[[bpy.types.Material], bpy.types.Material],
+) -> dict[bpy.types.Material | None, bpy.types.Material]:
     """New materials by old ones: objects that shared one share the new one. Where it fails nothing is left behind."""
     before = {kind: set(getattr(bpy.data, kind)) for kind in _KINDS}
     made = {}
