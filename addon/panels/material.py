@@ -31,7 +31,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
             implementation, why = renderers.choose(context.scene, background=False)
             note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {why}")
         if implementation == "NODES":
-            note(layout, "Up to 8 lamps, by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
+            note(layout, "Lamps by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
             layout.prop(state, "ior")
