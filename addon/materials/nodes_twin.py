@@ -117,6 +117,8 @@ class _Surface:
         front = graph.math("GREATER_THAN", self._cos_r, 0.0)
         self._front = graph.product(front, graph.difference(1.0, geometry.outputs["Backfacing"]))
         self._albedo_r = self._albedo_of(self._wr)
+        if index > 1.0:
+            self._face_r, self._inner_r = self._outer_face(self._cos_r), self._inside(self._cos_r)
 
     def _surface_direction(self, given: Socket) -> Socket:
         """Undo the transform of normals and apply that of directions, see ``shaders/diffraction.osl``.
@@ -210,7 +212,7 @@ class _Surface:
         if self._index == 1.0:
             return node.outputs[0]
         mirror = self.graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
-        face = self.graph.product(self._outer_face(self._cos_r), self._front)
+        face = self.graph.product(self._face_r, self._front)
         self.graph.put(mirror.inputs["Color"], self.graph.join(face, face, face))
         self.graph.put(mirror.inputs["Roughness"], self._in["LacquerRoughness"])
         self.graph.put(mirror.inputs["Normal"], self._n)
@@ -307,13 +309,11 @@ class _Surface:
         mirror = graph.sum(graph.scalar("DOT_PRODUCT", wi, self._wr), 1.0)
         factor = graph.quotient(graph.product(mirror, mirror), graph.product(self._cos_r, w, w))
         if self._index > 1.0:  # seen through a clear layer, see ``shaders/brdf.osl``
-            inner_i, inner_r = self._inside(cos_i), self._inside(self._cos_r)
+            inner_i, inner_r = self._inside(cos_i), self._inner_r
             plane = graph.fused(x, self._wr_x, graph.product(y, self._wr_y))
             inner = graph.fused(plane, self._index**-2, graph.fused(inner_i, inner_r, 1.0))
             steep = graph.sum(inner_i, inner_r)
-            through = graph.product(
-                graph.difference(1.0, self._outer_face(cos_i)), graph.difference(1.0, self._outer_face(self._cos_r))
-            )
+            through = graph.product(graph.difference(1.0, self._outer_face(cos_i)), graph.difference(1.0, self._face_r))
             lower = graph.product(graph.product(inner_i, inner_r), steep, steep)
             factor = graph.quotient(graph.product(through, graph.product(inner, inner), cos_i), lower)
             w = graph.product(steep, self._index)
