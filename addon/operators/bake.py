@@ -82,7 +82,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         if result.cache != "hit":  # a table from the cache says nothing of the machine's speed
             estimates.learn(context.scene, result.seconds["total"])
         try:
-            refresh.refresh(result.path, context.scene, state.table_recipe)
+            refresh.refresh(result.path, state.table_recipe)
         except DiffractionError as error:
             self.report({"WARNING"}, str(error))
         megabytes = texture_bytes(result.table.layout.texel_bytes) / 1e6
