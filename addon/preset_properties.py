@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -11,6 +12,39 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty
 from ..precompute.presets import PRESETS, Parameter, Preset
 
 ITEMS: list[tuple[str, str, str]] = [(preset.name, preset.label, preset.description) for preset in PRESETS.values()]
+
+#: Small pictures by preset, for menus; made by tools/docs/preset_thumbnails.py.
+_PICTURES = Path(__file__).resolve().parent / "preset_pictures"
+
+_previews: Any = None
+
+
+def pictured_items() -> list[tuple[str, str, str, int, int]]:
+    """`ITEMS` with pictures, loaded from files; registering asks for it."""
+    global _previews
+    from bpy.utils import previews
+
+    if _previews is None:
+        _previews = previews.new()
+    found = []
+    for number, (name, label_, description) in enumerate(ITEMS):
+        path = _PICTURES / f"{name}.png"
+        if path.is_file() and name not in _previews:
+            _previews.load(name, str(path), "IMAGE")
+        icon = _previews[name].icon_id if name in _previews else 0
+        found.append((name, label_, description, icon, number))
+    return found
+
+
+def drop_pictures() -> None:
+    """Free them."""
+    global _previews
+    from bpy.utils import previews
+
+    if _previews is not None:
+        previews.remove(_previews)
+        _previews = None
+
 
 #: For people; lengths carry their unit in the label since Blender has no nanometres.
 _UNITS = {"um": "um", "nm": "nm", "deg": "deg", "percent": "%"}

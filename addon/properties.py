@@ -357,6 +357,15 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
 CLASSES = (*preset_properties.GROUPS.values(), DIFFRACTION_PG_presets, DIFFRACTION_PG_scene)
 
 
+def prepare() -> None:
+    """Before the classes are registered: the presets get their pictures."""
+    DIFFRACTION_PG_scene.__annotations__["preset"] = EnumProperty(
+        name="Preset",
+        description="A structure that needs no microscope",
+        items=preset_properties.pictured_items(),
+    )
+
+
 def register() -> None:
     """Attach the group to scenes."""
     bpy.types.Scene.diffraction = PointerProperty(type=DIFFRACTION_PG_scene)
@@ -365,3 +374,4 @@ def register() -> None:
 def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
+    preset_properties.drop_pictures()

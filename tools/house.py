@@ -31,7 +31,7 @@ FLOORS = {
         ("tables",),
         ("materials",),
         ("viewport",),
-        ("preset_properties",),
+        ("assets", "preset_properties"),
         ("properties", "preferences"),
         ("operators",),
         ("panels",),

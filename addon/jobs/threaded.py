@@ -10,6 +10,7 @@ import bpy
 from ...precompute.errors import Cancelled, DiffractionError
 from . import progress
 from .job import Job
+from .wording import in_window
 
 
 def has_scan(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
@@ -117,7 +118,7 @@ class Threaded(_Operator):
 
     def _fail(self, error):
         text = str(error) or "There is not enough memory for this; take a smaller scan or a smaller table."
-        self.report({"ERROR"}, text)
+        self.report({"ERROR"}, in_window(text))
         return {"CANCELLED"}
 
     def _show(self, context):

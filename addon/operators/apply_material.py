@@ -3,6 +3,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
@@ -93,18 +97,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         elif implementation == "OSL" and not renderers.has_osl():
             self.report({"ERROR"}, NO_OSL)
             return {"CANCELLED"}
-        settings = material.Settings(
-            implementation=implementation,
-            fresnel=self.fresnel,
-            ior=self.ior,
-            conserve_energy=self.conserve_energy,
-            orientation=self.orientation,
-            uv_map=self.uv_map,
-            attribute=self.attribute,
-            angle_image=self.angle_image,
-            rotation=self.rotation,
-            environment=self.environment,
-        )
+        settings = settings_from(self, implementation)
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
         lamps = lights.lamp_objects(context.scene)
@@ -141,6 +134,43 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def settings_from(owner: Any, implementation: str) -> material.Settings:
+    """The artist's choice, as an operator or the scene's group holds it.
+
+    Parameters
+    ----------
+    owner
+        Of the properties.
+    implementation
+        ``OSL`` or ``NODES``: what *Automatic* stood for.
+    """
+    return material.Settings(
+        implementation=implementation,
+        fresnel=owner.fresnel,
+        ior=owner.ior,
+        conserve_energy=owner.conserve_energy,
+        orientation=owner.orientation,
+        uv_map=owner.uv_map,
+        attribute=owner.attribute,
+        angle_image=owner.angle_image,
+        rotation=owner.rotation,
+        environment=owner.environment,
+    )
+
+
+def set_up(scene: bpy.types.Scene, shown: bpy.types.Material, table: Path, settings: material.Settings) -> list[str]:
+    """Let one material show a table, and the scene have what that needs; what was changed, for people.
+
+    Raises
+    ------
+    DiffractionError
+        If the table cannot be used.
+    """
+    lamps = lights.lamp_objects(scene)
+    material.apply(shown, table, settings, lamps)
+    return setup.prepare_scene(scene, lamps, settings.implementation == "OSL")
+
+
 def _takes_material(ob: bpy.types.Object) -> bool:
     return ob.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"} and ob.is_editable and ob.data.is_editable
 
@@ -165,7 +195,12 @@ def _changed_too(each: bpy.types.Material, others: list[bpy.types.Object]) -> st
     return f"{names} share{'s' * (len(others) == 1)} {each.name} and changed too; Own Copy below keeps them apart"
 
 
-def _make(targets, copied, stem, apply) -> dict:
+def _make(
+    targets: list[bpy.types.Object],
+    copied: dict[bpy.types.Material, list[bpy.types.Object]],
+    stem: str,
+    apply: Callable[[bpy.types.Material], bpy.types.Material],
+) -> dict[bpy.types.Material | None, bpy.types.Material]:
     """New materials by old ones: objects that shared one share the new one. Where it fails nothing is left behind."""
     before = {kind: set(getattr(bpy.data, kind)) for kind in _KINDS}
     made = {}

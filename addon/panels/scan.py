@@ -7,7 +7,7 @@ import json
 
 import bpy
 
-from ...precompute.presets import PRESETS
+from ...precompute.presets import PRESETS, look_of
 from .. import paths
 from ..operators.setting_presets import DIFFRACTION_MT_structure_presets
 from ..tables import scan_store
@@ -66,6 +66,8 @@ class DIFFRACTION_PT_preset(Sidebar, bpy.types.Panel):
 
     def draw(self, context):
         layout, state = split(self.layout), context.scene.diffraction
+        if not bpy.app.background:
+            layout.template_icon_view(state, "preset", show_labels=True, scale=5.0, scale_popup=5.0)
         layout.prop(state, "preset")
         preset, values = PRESETS[state.preset], getattr(state.presets, state.preset)
         column = layout.column(align=True)
@@ -75,9 +77,11 @@ class DIFFRACTION_PT_preset(Sidebar, bpy.types.Panel):
         column.prop(state, "preset_size_um")
         column.prop(state, "preset_pixels")
         button = layout.operator("diffraction.make_preset", icon="MOD_OCEAN")
+        button.look = True
         button.preset, button.size_um, button.pixels = state.preset, state.preset_size_um, state.preset_pixels
         for parameter in preset.parameters:
             setattr(button, parameter.name, getattr(values, parameter.name))
+        note(layout, f"Also sets: {look_of(state.preset).summary()}")
         note(layout, preset.source, "BOOKMARKS")
 
 

@@ -58,6 +58,7 @@ def lamp_rows(ob: lights.LampObject) -> np.ndarray | None:
         if not normalised and radius > 0.0:
             power = power * (math.pi * math.sin(radius) ** 2)
         rows[4] = *power, radius
+        rows[5, 0] = 2.0 * math.sin(0.5 * radius) ** 2  # 1 - cosine
     elif lamp.kind == "BALL":
         radius = lamp.size[0]
         intensity = power / (4.0 * math.pi)
@@ -104,4 +105,5 @@ def studio_rows(view: np.ndarray) -> np.ndarray:
         world = to_world @ np.array(direction)
         row[0] = *(world / np.linalg.norm(world)), LAMP_KINDS["SUN"]
         row[4] = strength, strength, strength, 0.02
+        row[5, 0] = 2.0 * math.sin(0.5 * row[4, 3]) ** 2
     return rows

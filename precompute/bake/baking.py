@@ -18,7 +18,7 @@ from ..files.atomic import remove_stale
 from ..light.colour import ADAPTED, adaptation, spectral_weights, white_xyz
 from ..light.illuminant import Illuminant, to_json
 from ..parameters import BakeParameters
-from ..readers import read_scan
+from ..readers import read_scan_or_part
 from ..scan.heightfield import HeightField
 from ..scan.preparation import prepare
 from ..table.albedo import albedo_map
@@ -61,12 +61,15 @@ class BakeReport:
         Wall time a stage, and ``total``.
     cache
         ``none``, ``hit`` (nothing was computed), ``stored`` or ``not stored`` (no room or no permission).
+    notes
+        What was chosen, assumed or filled in on the way, one sentence each.
     """
 
     path: Path
     table: SpectralTable
     seconds: dict[str, float] = field(default_factory=dict)
     cache: str = "none"
+    notes: tuple[str, ...] = ()
 
 
 class _Stages:
@@ -170,7 +173,7 @@ def bake_file(
     cache
         Where the table is looked up before and stored after the computation; the files are the same either way.
     **reading
-        Passed to :func:`precompute.readers.read_scan` (``size_m``, ``height_m``, ``channel``).
+        Passed to :func:`precompute.readers.read_scan` (``size_m``, ``height_m``, ``channel``, ``trust_units``).
 
     Returns
     -------
@@ -181,7 +184,7 @@ def bake_file(
 
     stages = _Stages(progress)
     stages.report("read", 0.0)
-    scan = read_scan(path, **reading)
+    scan = read_scan_or_part(path, parameters.crop_m, **reading)
     folder = ensure_folder(out_dir)
     remove_stale(folder)
     stages.done("read")
@@ -196,7 +199,20 @@ def bake_file(
     written = table.save(target)
     stages.done("write")
     stages.report("done", 1.0)
-    return BakeReport(written, table, stages.seconds, found)
+    return BakeReport(written, table, stages.seconds, found, _notes(scan, table))
+
+
+def _notes(scan: HeightField, table: SpectralTable) -> tuple[str, ...]:
+    """Of the reading and of the processing that the table's sidecar lists."""
+    notes = list(scan.metadata.get("notes", ()))
+    for step in table.info["source"].get("processing", []):
+        if step.get("step") == "fill":
+            notes.append(
+                f"{step['count']} missing points ({100 * step['fraction']:.2g} %) were filled from around them"
+            )
+        if step.get("warning"):
+            notes.append(str(step["warning"]).rstrip("."))
+    return tuple(notes)
 
 
 def _cached_bake(

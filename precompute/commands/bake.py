@@ -54,6 +54,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         "peak_rss_bytes": peak_rss_bytes(),
         "albedo_max": report.table.albedo_max,
         "cache": report.cache,
+        "notes": list(report.notes),
     }
 
 

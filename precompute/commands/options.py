@@ -51,11 +51,17 @@ def add_scan(parser: argparse.ArgumentParser, several: bool = False) -> None:
     parser.add_argument("--size-um", nargs=2, type=number, metavar=("X", "Y"), help="side lengths in micrometres")
     parser.add_argument("--height-nm", type=number, metavar="H", help="height range in nanometres")
     parser.add_argument("--channel", help="name or number of the channel; the height channel by default")
+    parser.add_argument(
+        "--trust-units",
+        action="store_true",
+        help="take sides above 10 mm and heights above 1 mm from the file without a question",
+    )
 
 
 def scan_reading(args: argparse.Namespace) -> dict[str, Any]:
     """Keyword arguments of `precompute.readers.read_scan`."""
     return {
+        **({"trust_units": True} if args.trust_units else {}),
         "size_m": None if args.size_um is None else tuple(x * 1e-6 for x in args.size_um),
         "height_m": None if args.height_nm is None else args.height_nm * 1e-9,
         "channel": args.channel,
@@ -64,9 +70,25 @@ def scan_reading(args: argparse.Namespace) -> dict[str, Any]:
 
 def read(args: argparse.Namespace) -> HeightField:
     """The scan that `add_scan` names."""
-    from ..readers import read_scan
+    from ..readers import read_scan_or_part
 
-    return read_scan(args.file, **scan_reading(args))
+    return read_scan_or_part(args.file, crop(args), **scan_reading(args))
+
+
+def crop(args: argparse.Namespace) -> tuple[float, float, float, float] | None:
+    """--crop-um in metres, where the subcommand has it."""
+    given = getattr(args, "crop_um", None)
+    if given is None:
+        return None
+    left, right, bottom, top = (x * 1e-6 for x in given)
+    return left, right, bottom, top
+
+
+def add_crop(parser: argparse.ArgumentParser) -> None:
+    """--crop-um."""
+    parser.add_argument(
+        "--crop-um", nargs=4, type=number, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"), help="keep this rectangle"
+    )
 
 
 def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> None:
@@ -90,9 +112,7 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
     )
     parser.add_argument("--smooth-nm", type=number, metavar="S", default=0.0, help="smooth the heights", **many)
     if not several:
-        parser.add_argument(
-            "--crop-um", nargs=4, type=number, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"), help="keep this rectangle"
-        )
+        add_crop(parser)
     parser.add_argument("--tile", choices=TILINGS, default=default.tile, help="make opposite edges fit", **many)
     parser.add_argument(
         "--illuminant",
@@ -116,8 +136,8 @@ def bake_parameters(args: argparse.Namespace, **more: Any) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
     if "replicas" in args and args.ensemble == "periodic":
         more.setdefault("replicas", tuple(args.replicas))
-    crop = None if args.crop_um is None else tuple(x * 1e-6 for x in args.crop_um)
-    return BakeParameters(**{name: _si(args, key, factor) for name, key, factor in _FIELDS}, crop_m=crop, **more)
+    fields = {name: _si(args, key, factor) for name, key, factor in _FIELDS}
+    return BakeParameters(**fields, crop_m=crop(args), **more)
 
 
 def parameter_values(args: argparse.Namespace) -> dict[str, list[Any]]:

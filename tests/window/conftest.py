@@ -60,3 +60,12 @@ def desk(work):
         yield Desk(driver, work, pictures)
     finally:
         driver.quit()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """A picture of what the screen showed when a test failed."""
+    report = yield
+    if call.when == "call" and report.failed and "desk" in item.funcargs:
+        item.funcargs["desk"].shot(f"failed_{item.name}")
+    return report

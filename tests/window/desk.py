@@ -50,7 +50,10 @@ class Desk:
             found = self.driver.sweep(begin=near[1] if near else None, until=pattern)
             self._remember(found)
             if found and re.search(pattern, found[-1][0]):
-                return tuple(found[-1][1:])
+                place = tuple(found[-1][1:])
+                self.driver.point(*place)
+                if re.search(pattern, self.run("print(under())")):
+                    return place
             near = None
             self.scroll(30 if tries == 0 else -14)
         seen = "\n".join(text for text, _, _ in self._places)

@@ -66,7 +66,7 @@ def show_tab(name="Diffraction", number=0):
     region("VIEW_3D", "UI", number).active_panel_category = name
 
 
-_sweep = {"todo": [], "at": None, "found": [], "where": (), "until": ""}
+_sweep = {"todo": [], "at": None, "found": [], "where": (), "until": "", "waits": 0}
 
 
 def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.72):
@@ -81,12 +81,15 @@ def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.72)
 def sweep(kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
     """Point at a region, till something is found whose text matches a pattern; `swept` tells what was."""
     _sweep.update(
-        todo=places(kind, name, number, begin), at=None, found=[], where=(kind, name, number), until=until
+        todo=places(kind, name, number, begin), at=None, found=[], where=(kind, name, number), until=until, waits=0
     )  # fmt: skip
     bpy.app.timers.register(_sweep_on, first_interval=0.01)
 
 
 def _sweep_on():
+    if _sweep["waits"] > 0:  # Blender leaves the last button in one turn of its loop, and takes up the next in another
+        _sweep["waits"] -= 1
+        return 0.012
     if _sweep["at"] is not None:
         text = under(*_sweep["where"])
         if text:
@@ -97,7 +100,8 @@ def _sweep_on():
     if _sweep["at"] is None:
         return None
     send("MOUSEMOVE", "NOTHING", *_sweep["at"], number=_sweep["where"][2])
-    return 0.02
+    _sweep["waits"] = 2
+    return 0.012
 
 
 def swept():

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
+from tests.support import odd_scans
 from tests.support.blender import extension, scenes
 
 pytestmark = pytest.mark.usefixtures("blender")
@@ -129,6 +130,21 @@ def test_bad_scans_give_one_sentence_and_leave_nothing(saved, scan, tmp_path, co
     assert "Traceback" not in str(caught.value)
     assert bpy.context.scene.diffraction.scan_path == ""
     assert not (saved / "diffraction").exists() or not list((saved / "diffraction").iterdir())
+
+
+def test_sizes_without_a_unit_are_asked_about_in_the_windows_words(saved, tmp_path):
+    path = tmp_path / "wide.ibw"
+    path.write_bytes(odd_scans.igor_without_units(1.0))
+    with pytest.raises(RuntimeError, match="4 m x 3 m") as caught:
+        bpy.ops.diffraction.import_scan(filepath=str(path))
+    assert "Size (um)" in str(caught.value) and "Trust Units" in str(caught.value) and "--" not in str(caught.value)
+    assert bpy.ops.diffraction.import_scan(filepath=str(path), trust_units=True) == {"FINISHED"}
+    state = bpy.context.scene.diffraction
+    assert "metres were assumed" in state.scan_info
+    # What is stored is not asked about again.
+    assert bpy.ops.diffraction.use_stored_scan(name="wide") == {"FINISHED"}
+    bpy.ops.diffraction.import_scan(filepath=str(path), size_um=(8, 6))
+    assert "8 x 6 um" in state.scan_info
 
 
 def test_bake_over_the_limit_and_table_of_another_version(saved, scan):

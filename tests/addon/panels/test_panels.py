@@ -270,8 +270,8 @@ def test_missing_old_and_damaged_tables(project):
     assert "diffraction.rebake" not in shown("files")
     good = sidecar.read_text()
 
-    sidecar.write_text(good.replace('"format_version": 1', '"format_version": 7'))
-    assert "another release (format 7, now 1)" in words(shown("bake"))
+    sidecar.write_text(good.replace('"format_version": 2', '"format_version": 7'))
+    assert "another release (format 7, now 2)" in words(shown("bake"))
     assert "another release" in words(shown("active"))
     assert "another release" in refusal(bpy.ops.diffraction.brdf_map)
     sidecar.write_text("{")
