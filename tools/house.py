@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FLOORS = {
     "precompute": (
         ("constants", "errors", "faces", "old_names"),
-        ("light", "files"),
+        ("light", "files", "stack"),
         ("parameters",),
         ("scan",),
         ("readers", "presets", "table", "paint"),

@@ -90,7 +90,7 @@ def albedo(name: str, layout: TableLayout, texels: bpy.types.NodeTree) -> bpy.ty
     x, y, z = graph.split(graph.add("NodeGroupInput").outputs["Direction"])
     theta = graph.math("ARCCOSINE", graph.clamp(z, 0.0, 1.0))
     column = graph.fused(theta, (layout.n_theta - 1) / (0.5 * math.pi), 0.5)
-    row = graph.sum(_turn_row(graph, y, x, layout.n_albedo_phi), layout.albedo_y + 1.5)
+    row = graph.sum(_turn_row(graph, y, x, layout.n_albedo_phi), layout.conserving_y + 1.5)
     found = graph.group(texels, X=column, Y=row).outputs["Value"]
     graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.split(found)[0])
     return tree

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from ..constants import FREQUENCY_MAX, KAPPA_MAX
+from ..constants import FREQUENCY_MAX
 from ..errors import ParameterError, ScanError, SizeLimitError
 from ..files.memory import available_bytes
 from ..parameters import BakeParameters
@@ -86,7 +86,7 @@ def bake_bytes(
 ) -> float:
     """Peak of a whole bake of a prepared patch, in bytes."""
     rows, cols = field.shape
-    x = KAPPA_MAX * 0.5 * float(field.heights.max() - field.heights.min())
+    x = parameters.kappa_max * 0.5 * float(field.heights.max() - field.heights.min())
     nodes = node_count(x, parameters.tolerance)
     along_x = Axis.plan(cols, field.dx, sigma_s_m)
     along_y = Axis.plan(rows, field.dy, sigma_s_m)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from ..constants import KAPPA_MAX
 from ..parameters import BakeParameters
 from ..scan.heightfield import HeightField
 from ..table.layout import TableLayout
@@ -75,7 +74,7 @@ def bake_cost(patch: HeightField, parameters: BakeParameters) -> BakeCost:
     layout = estimate(patch, parameters)
     sigma_s = resolve_sigma_s(patch, parameters)
     half_range = 0.5 * float(patch.heights.max() - patch.heights.min())
-    nodes = node_count(KAPPA_MAX * half_range, parameters.tolerance)
+    nodes = node_count(parameters.kappa_max * half_range, parameters.tolerance)
 
     padded = 1.0
     for side, pixels in zip(patch.size_m, patch.shape[::-1], strict=True):

@@ -49,7 +49,7 @@ class PolarIntensity:
         Coherence window, metres.
     ensemble
         ``average``, ``single`` or ``periodic``.
-    series, tolerance
+    series, tolerance, kappa_max
         See :class:`precompute.bake.series.Series`.
 
     Attributes
@@ -69,6 +69,7 @@ class PolarIntensity:
         ensemble: str,
         series: str = "nodes",
         tolerance: float = 1e-4,
+        kappa_max: float = KAPPA_MAX,
     ) -> None:
         rows, cols = field.shape
         self.x = Axis.plan(cols, field.dx, sigma_s_m)
@@ -80,7 +81,7 @@ class PolarIntensity:
         area = float(np.prod([axis @ axis for axis in self.window_axes])) * field.dx * field.dy
         # One transform a kappa multiplies the rows by the window as it goes; a series needs it whole.
         window = np.ones((1, 1)) if series == "nodes" else np.outer(*self.window_axes)
-        self.series = Series(field.heights, window, KAPPA_MAX, series, tolerance, self._spectrum)
+        self.series = Series(field.heights, window, kappa_max, series, tolerance, self._spectrum)
         self.lag_axes = self._make_lag_axes(sigma_s_m if ensemble == "average" else None)
         self._transforms = Transforms(self.x, self.y, self.lag_axes)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
