@@ -13,8 +13,9 @@ from ..scan.heightfield import HeightField
 from ..scan.resample import refine_factors
 from ..table.albedo import SECTORS
 from ..table.layout import TableLayout
-from .intensity import PLANES, RADIAL_STEP
+from .intensity import PLANES
 from .series import node_count
+from .spectral_sum import RADIAL_STEP
 from .transforms import Axis, lobe_width, workers
 
 #: Libraries, and what the many small arrays take.
@@ -100,8 +101,8 @@ def bake_bytes(
     stages = (
         spectra + coefficients,
         heights + coefficients + matrices + texels + workers() * block,
-        # Sums of the texels in 64 bits and means of them, for the albedo.
-        heights + 5.0 * texels + 96.0 * layout.n_r * layout.n_w * min(SECTORS, layout.n_phi),
+        # Means of the texels over sectors and their Fourier series, and each thread's kernels, for the albedo.
+        heights + texels + layout.n_r * layout.n_w * min(SECTORS, layout.n_phi) * (60.0 + 20.0 * workers()),
     )
     return _BASE_BYTES + max(stages)
 

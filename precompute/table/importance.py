@@ -307,8 +307,8 @@ def _invert(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     cdf /= cdf[:, -1:]
     sectors = np.linspace(0.0, 1.0, len(mass) + 1)
     targets = np.linspace(0.0, 1.0, 2 * N_PHI + 1)
-    angles = np.interp((targets + count).ravel(), (cdf + count).ravel(), np.tile(sectors, len(used)))
-    angles = angles.reshape(len(used), -1)
+    found = np.interp((targets + count).ravel(), (cdf + count).ravel(), np.tile(sectors, len(used)))
+    angles = found.reshape(len(used), -1)
     angles[:, 0], angles[:, -1] = 0.0, 1.0
     # Few digits make the file small; no step is so narrow that they would close it.
     angles = np.rint(angles * 2.0**19) / 2.0**19
