@@ -28,7 +28,7 @@ FLOORS = {
     "addon": (
         ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures", "renderers"),
-        ("tables",),
+        ("tables", "lights"),
         ("materials",),
         ("viewport",),
         ("assets", "preset_properties"),

@@ -125,10 +125,10 @@ class Threaded(_Operator):
         done, count = len(self._results), len(self._jobs)
         job = self._jobs[done]
         text = f"{self.title}: {job.stage}" + (f" ({done + 1} of {count})" if count > 1 else "")
-        progress.show(text, (done + job.fraction) / count)
+        progress.show(text, (done + job.fraction) / count, getattr(type(self), "bl_idname", ""))
         if context.workspace is not None:
             context.workspace.status_text_set(_status)
-        redraw(context)
+        redraw_sidebars(context)
 
     def _close(self):
         for job in self._jobs:
@@ -153,6 +153,15 @@ def _status(header, context) -> None:
         bar = header.layout.row()
         bar.ui_units_x = 14.0  # else the text is cut off
         bar.progress(factor=now.fraction, text=now.text)
+
+
+def redraw_sidebars(context: bpy.types.Context) -> None:
+    """Let the panels show how far a job is; the views beside them, which may be costly, stay as they are."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
 
 
 def redraw(context) -> None:

@@ -19,9 +19,8 @@ def _before_save(*arguments) -> None:
     if not target:
         return
     folder = Path(bpy.path.abspath(target)).parent
-    for material in bpy.data.materials:
-        if travel.TABLE in material:
-            travel.sync(material, folder)
+    for each in travel.owners():
+        travel.sync(each, folder)
     for scene in bpy.data.scenes:
         state = scene.diffraction
         for name in ("scan_path", "table_path", "illuminant_file"):
@@ -65,7 +64,7 @@ def _after_save(*_) -> None:
 @persistent
 def _loaded(*_) -> None:
     travel.sync_all()
-    for problem in refresh.bring_up_to_date(bpy.context.scene):
+    for problem in refresh.bring_up_to_date():
         print(f"Diffraction: {problem}; the panel Diffraction > Material > Files bakes it again.")
 
 

@@ -1,28 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The material without OSL: the formulas of ``shaders/*.osl`` as shader nodes, for any device and for EEVEE.
 
-Each lamp of the scene has its own nodes, so the group is built anew when lamps come or go; moves go through
-drivers. Cycles takes the same aimed toon lobes as the OSL material. EEVEE has no toon closure: there a white GGX
-lobe about the half vector is turned into the colour that it shows (Shader to RGB), which brings the lamp's light
-and shadow, and that colour times f cos is emitted. A lobe of the colour f cos would go through EEVEE's buffers,
-which hold colours in ten bits from 0 to 8 and one lobe of several at random. Lamps count by their middle, and there
-is no environment.
+Lamps are read from the scene's list, slot by slot (`node.lamp_nodes`). Cycles takes the same aimed toon lobes as the
+OSL material; nodes of an empty slot stand behind a Mix Shader of factor 0, which Cycles steps over. EEVEE has no toon
+closure: there a white GGX lobe about the half vector is turned into the colour that it shows (Shader to RGB), which
+brings the lamp's light and shadow, and that colour times f cos is emitted. A lobe of the colour f cos would go through
+EEVEE's buffers, which hold colours in ten bits from 0 to 8 and one lobe of several at random. Lamps count by their
+middle, and there is no environment.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import bpy
 
 from ...precompute.table.layout import TableLayout
-from . import lights, node_lookup
-from .node_graph import Graph, Socket, Value, interface, new_group
+from ..lights import slots
+from . import frame, node_lookup
+from .node import interface, lamp_nodes
+from .node_graph import Graph, Socket, Value
 
-#: Lamps that the nodes follow.
-LAMPS_MAX = 8
+#: Slots that the nodes read in EEVEE, where each one costs whether a lamp is in it or not.
+EEVEE_LAMPS_MAX = 8
 
 #: Alpha (roughness squared) of EEVEE's lobe, for small lamps and at most: it is four times as wide as the lamp.
 #: Narrower ones its tables of GGX do not hold, wider ones see more of the other lamps and of the world.
@@ -31,87 +32,69 @@ EEVEE_ALPHA, EEVEE_ALPHA_MAX = 0.04, 0.25
 #: What EEVEE's tables make of the lobe's peak, measured: 0.995 to 0.997 at all angles for the smallest alpha.
 EEVEE_PEAK = 0.9957
 
-#: Radius of the disc with the same mean square as a lamp, over half the lamp's diagonal.
-_ROUND = {"SUN": 1.0, "BALL": 1.0, "RECTANGLE": math.sqrt(2.0 / 3.0), "ELLIPSE": math.sqrt(0.5)}
-
-_NUMBER, _VECTOR, _SHADER = "NodeSocketFloat", "NodeSocketVector", "NodeSocketShader"
-
-_INPUTS: dict[str, tuple[str, object]] = {
-    "Base": (_SHADER, None),
-    "Normal": (_VECTOR, (0.0, 0.0, 0.0)),
-    "Tangent": (_VECTOR, (0.0, 0.0, 0.0)),
-    "Bitangent": (_VECTOR, (0.0, 0.0, 0.0)),
-    "TangentIsDirection": ("NodeSocketInt", 0),
-    "Rotation": (_NUMBER, 0.0),
-    "Brightness": (_NUMBER, 1.0),
-    "IOR": (_NUMBER, 1.5),
-    "ConductorN": (_VECTOR, (1.35, 0.95, 0.61)),
-    "ConductorK": (_VECTOR, (7.47, 6.54, 5.47)),
-    "DiffuseLimit": (_NUMBER, 1.0),
-    "Cone": (_NUMBER, 0.1),
-    # Built in rather than read; they stand here for whoever asks a material what it is.
-    "Fresnel": ("NodeSocketInt", 1),
-    "ConserveEnergy": ("NodeSocketInt", 1),
-    "Environment": ("NodeSocketInt", 0),
-    "ToRed": (_VECTOR, (3.2404542, -1.5371385, -0.4985314)),
-    "ToGreen": (_VECTOR, (-0.969266, 1.8760108, 0.041556)),
-    "ToBlue": (_VECTOR, (0.0556434, -0.2040259, 1.0572252)),
-}
-
 
 def build(
-    name: str, image: bpy.types.Image, layout: TableLayout, albedo_max: float, fresnel: str, conserve: bool,
-    lamps: Sequence[lights.LampObject],
-) -> bpy.types.NodeTree:  # fmt: skip
-    """Build (or rebuild in place) the group of a material.
+    tree: bpy.types.NodeTree, stem: str, image: bpy.types.Image, layout: TableLayout, albedo_max: float, fresnel: str,
+    conserve: bool, own: Any,
+) -> None:  # fmt: skip
+    """Fill (or fill anew) the group of a table.
 
     Parameters
     ----------
-    name
-        Of the material; the group is called after it.
+    tree
+        A group with the sockets of `node.interface`.
+    stem
+        Name of the table.
     image
         The atlas.
     layout, albedo_max
         Of the table.
     fresnel, conserve
         As in `material.Settings`; they are built in.
-    lamps
-        At most `LAMPS_MAX` are taken.
+    own
+        Illuminant of a matrix of its own, None for the scene's, see `node.lamp_nodes.matrix`.
     """
-    stem = image.name
     texels = node_lookup.bilinear(image, layout)
     table = node_lookup.transform(stem, layout, texels)
     albedo = node_lookup.albedo(stem, layout, texels) if conserve and albedo_max > 1.0 else None
-
-    tree = new_group(f"Diffraction {name}")
-    lamps = lamps[:LAMPS_MAX]
-    sockets = dict(_INPUTS)
-    for number in range(1, len(lamps) + 1):
-        sockets |= {f"Lamp{number}{each}": (_VECTOR, None) for each in ("Place", "AxisU", "AxisV", "Size")}
-        sockets[f"Lamp{number}Kind"] = ("NodeSocketInt", 0)
-    interface(tree, sockets, {"BSDF": _SHADER, "EEVEE": _SHADER})
-    surface = _Surface(Graph(tree), table, albedo, fresnel)
+    tree.nodes.clear()
+    surface = _Surface(Graph(tree), table, albedo, fresnel, own)
     cycles, eevee = surface.base(), surface.base()
     seen: Value = (0.0, 0.0, 0.0)
-    for number, lamp in enumerate(lamps, 1):
-        toon, colour = surface.lobes(number, lights.lamp_kind(lamp.data))
-        cycles, seen = surface.both(cycles, toon), surface.graph.vector("ADD", seen, colour)
-    if lamps:
-        eevee = surface.both(eevee, surface.emitted(seen))
+    for slot in range(1, slots.SLOTS + 1):
+        toon, colour = surface.lobes(slot, for_eevee=slot <= EEVEE_LAMPS_MAX)
+        cycles = surface.both(cycles, toon)
+        if colour is not None:
+            seen = surface.graph.vector("ADD", seen, colour)
+    eevee = surface.both(eevee, surface.emitted(seen))
     output = surface.graph.add("NodeGroupOutput")
-    surface.graph.put(output.inputs["BSDF"], cycles)
-    surface.graph.put(output.inputs["EEVEE"], eevee)
-    return tree
+    surface.graph.put(output.inputs[interface.OUTPUT], by_engine(surface.graph, cycles, eevee))
+
+
+def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> Socket:
+    """One closure in Cycles, another in EEVEE.
+
+    EEVEE alone turns shaders into colours: the factor is 1 there. Cycles does not know that node, takes the factor's
+    own value 0 and drops the branch with its images.
+    """
+    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
+    choice = graph.add("ShaderNodeMixShader", label="Cycles or EEVEE")
+    choice.inputs[0].default_value = 0.0
+    graph.put(engine.inputs[0], white.outputs[0])
+    for socket, value in zip(choice.inputs, (engine.outputs[0], cycles, eevee), strict=True):
+        graph.put(socket, value)
+    return choice.outputs[0]
 
 
 class _Surface:
     """The nodes that all lamps share, and those of one lamp."""
 
     def __init__(
-        self, graph: Graph, table: bpy.types.NodeTree, albedo: bpy.types.NodeTree | None, fresnel: str
+        self, graph: Graph, table: bpy.types.NodeTree, albedo: bpy.types.NodeTree | None, fresnel: str, own: Any
     ) -> None:
         self.graph, self._table, self._albedo, self._fresnel = graph, table, albedo, fresnel
         self._in = graph.add("NodeGroupInput").outputs
+        self._rows = lamp_nodes.matrix(graph, own)
         geometry = graph.add("ShaderNodeNewGeometry")
         self._viewer, self._position = geometry.outputs["Incoming"], geometry.outputs["Position"]
         given = self._in["Normal"]
@@ -124,13 +107,13 @@ class _Surface:
         self._front = graph.product(front, graph.difference(1.0, geometry.outputs["Backfacing"]))
         self._albedo_r = self._albedo_of(self._wr)
 
-    def _surface_direction(self, name: str) -> Socket:
+    def _surface_direction(self, given: Socket) -> Socket:
         """Undo the transform of normals and apply that of directions, see ``shaders/diffraction.osl``.
 
         With M the object's matrix, a normal's transform is undone by its transpose: the components are the
         products with M's columns, the images of the axes. (Vector Transform itself treats normals as directions.)
         """
-        graph, given = self.graph, self._in[name]
+        graph = self.graph
         total: Any = (0.0, 0.0, 0.0)
         for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
             turned = graph.add(
@@ -143,8 +126,14 @@ class _Surface:
 
     def _frame(self) -> tuple[Socket, Socket]:
         graph, n = self.graph, self._n
-        t, b = self._surface_direction("Tangent"), self._surface_direction("Bitangent")
-        t = graph.mix(self._in["TangentIsDirection"], t, self._in["Tangent"])
+        is_given = graph.math("GREATER_THAN", graph.scalar("LENGTH", self._in["Tangent"]), 0.0)
+        of_uv: Any = frame.uv_frame(graph.tree)  # where none is given
+        for socket in of_uv:
+            socket.node.hide = True
+        tangent = graph.mix(is_given, of_uv[0], self._in["Tangent"])
+        t, b = (self._surface_direction(x) for x in (tangent, graph.mix(is_given, of_uv[1], self._in["Bitangent"])))
+        is_direction = graph.product(is_given, self._in["TangentIsDirection"])
+        t = graph.mix(is_direction, t, tangent)
         t = graph.vector("SUBTRACT", t, graph.scaled(n, graph.scalar("DOT_PRODUCT", t, n)))
         t = graph.vector("NORMALIZE", t)
         across = graph.vector("CROSS_PRODUCT", n, t)
@@ -217,19 +206,21 @@ class _Surface:
         self.graph.put(node.inputs["Color"], colour)
         return node.outputs[0]
 
-    def lobes(self, number: int, kind: str) -> tuple[Socket, Socket]:
+    def lobes(self, slot: int, for_eevee: bool) -> tuple[Socket, Socket | None]:
         """A lamp's lobe for Cycles, and the colour that it gives in EEVEE."""
         graph = self.graph
-        place, size = self._in[f"Lamp{number}Place"], self._in[f"Lamp{number}Size"]
-        if kind == "SUN":
-            to = graph.vector("NORMALIZE", place)
-            radius = graph.product(graph.split(size)[0], 0.5)
-        else:
-            offset = graph.vector("SUBTRACT", place, self._position)
-            to = graph.vector("NORMALIZE", offset)
-            radius = graph.math(
-                "ARCTANGENT", graph.quotient(self._half_extent(number, kind), graph.scalar("LENGTH", offset))
-            )
+        lamp = lamp_nodes.lamp(graph, slot).outputs
+        kind, size = lamp["Kind"], lamp["Size"]
+        is_on = graph.math("GREATER_THAN", kind, 0.5)
+        is_sun, is_ball = (graph.math("COMPARE", kind, float(slots.KINDS[name]), 0.25) for name in ("SUN", "BALL"))
+        offset = graph.vector("SUBTRACT", lamp["Place"], self._position)
+        to = graph.vector("NORMALIZE", graph.mix(is_sun, offset, lamp["Place"]))
+        # Of a ball that holds the lamp; the axes of one that is no area lamp are zero.
+        along, across = (graph.scalar("DOT_PRODUCT", lamp[axis], lamp[axis]) for axis in "UV")
+        extent = graph.fused(is_ball, size, graph.math("SQRT", graph.sum(along, across)))
+        radius = graph.math("ARCTANGENT", graph.quotient(extent, graph.scalar("LENGTH", offset)))
+        of_sun = graph.product(size, 0.5)
+        radius = graph.fused(is_sun, graph.difference(of_sun, radius), radius)
         half = graph.vector("NORMALIZE", graph.vector("ADD", to, self._viewer))
         f_cos = self._f_cos(to, half)
         cone = graph.math("MAXIMUM", self._in["Cone"], graph.fused(radius, 1.02, 0.002))
@@ -239,8 +230,16 @@ class _Surface:
         graph.put(toon.inputs["Size"], graph.product(cone, 2.0 / math.pi))
         graph.put(toon.inputs["Smooth"], 0.0)
         graph.put(toon.inputs["Normal"], half)
+        lit = graph.add("ShaderNodeMixShader")
+        graph.put(lit.inputs[0], is_on)
+        graph.put(lit.inputs[2], toon.outputs[0])
+        if not for_eevee:
+            return lit.outputs[0], None
 
-        radius = graph.product(radius, _ROUND[kind])
+        # Of the disc with the same mean square as the lamp, over half the diagonal of a rectangle or an ellipse.
+        is_area, is_round = graph.math("GREATER_THAN", kind, 2.5), graph.math("GREATER_THAN", kind, 3.5)
+        square, disc = math.sqrt(2.0 / 3.0) - 1.0, math.sqrt(0.5) - math.sqrt(2.0 / 3.0)
+        radius = graph.product(radius, graph.fused(is_area, square, graph.fused(is_round, disc, 1.0)))
         alpha = graph.clamp(graph.product(radius, 2.0), EEVEE_ALPHA, EEVEE_ALPHA_MAX)
         alpha2 = graph.product(alpha, alpha)
         glossy = graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
@@ -257,17 +256,8 @@ class _Surface:
         # plane of incidence and by 1 / c as much across it, D falls as 1 - 2 (tan / alpha)^2.
         part = graph.quotient(graph.product(radius, 0.5), alpha)
         gain = graph.product(gain, graph.fused(graph.product(part, part, 0.5), graph.sum(tan2, 2.0), 1.0))
-        return toon.outputs[0], graph.scaled(graph.vector("MULTIPLY", f_cos, shown.outputs[0]), gain)
-
-    def _half_extent(self, number: int, kind: str) -> Socket:
-        """Radius of a ball that holds the lamp."""
-        graph = self.graph
-        x, y, _ = graph.split(self._in[f"Lamp{number}Size"])
-        if kind == "BALL":
-            return x
-        along = graph.product(x, graph.scalar("LENGTH", self._in[f"Lamp{number}AxisU"]))
-        across = graph.product(y, graph.scalar("LENGTH", self._in[f"Lamp{number}AxisV"]))
-        return graph.product(graph.math("SQRT", graph.fused(along, along, graph.product(across, across))), 0.5)
+        colour = graph.vector("MULTIPLY", f_cos, shown.outputs[0])
+        return lit.outputs[0], graph.scaled(colour, graph.product(gain, is_on))
 
     def _f_cos(self, to: Socket, half: Socket) -> Socket:
         """f cos(theta_i) R as RGB, 0 where light or viewer is below the surface."""
@@ -301,7 +291,7 @@ class _Surface:
 
     def _into_gamut(self, xyz: Socket) -> Socket:
         graph = self.graph
-        components = [graph.scalar("DOT_PRODUCT", self._in[name], xyz) for name in ("ToRed", "ToGreen", "ToBlue")]
+        components = [graph.scalar("DOT_PRODUCT", row, xyz) for row in self._rows]
         luminance = graph.math("MAXIMUM", graph.split(xyz)[1], 0.0)
         lowest = graph.math("MINIMUM", components[0], graph.math("MINIMUM", components[1], components[2]))
         below = graph.math("MINIMUM", lowest, 0.0)

@@ -13,7 +13,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ...precompute.errors import DiffractionError
 from .. import paths, properties, renderers
 from ..given import take
-from ..materials import lights, material, setup
+from ..lights import gather
+from ..materials import handlers, material, setup
 from ..versions import give_nodes, limits
 
 _FROM_PANEL = (
@@ -100,7 +101,6 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         settings = settings_from(self, implementation)
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
-        lamps = lights.lamp_objects(context.scene)
         setup.take_up(context.scene)
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
@@ -108,7 +108,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             targets = [ob for ob in context.selected_objects if _takes_material(ob)]
             shared = _shared(targets)
             copied = shared if self.own_copy else {}
-            made = _make(targets, copied, table.stem, lambda new: material.apply(new, table, settings, lamps))
+            made = _make(targets, copied, table.stem, lambda new: material.apply(new, table, settings))
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -116,7 +116,9 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             manager.progress_end()
         for ob in targets:
             _give(ob, made[ob.active_material])
-        notes = setup.prepare_scene(context.scene, lamps, implementation == "OSL")
+        handlers.update_all()
+        found = handlers.search(context.scene)
+        notes = setup.prepare_scene(context.scene, implementation == "OSL")
         name = {"OSL": "OSL", "NODES": "Nodes"}[implementation]
         chosen = f"{len(made)} material{'s' * (len(made) != 1)} set up with {name}" + (
             f", because {why}" if why else ""
@@ -124,13 +126,12 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         self.report({"INFO"}, ". ".join([chosen, *notes]))
         for each, others in shared.items() if not self.own_copy else ():
             self.report({"WARNING"}, _changed_too(each, others))
-        if not lamps and context.scene.world is None:
+        if not found.chosen and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
         for sentence in limits():
             self.report({"INFO"}, sentence)
-        limit = min(map(material.lamps_max, made.values()))
-        if len(lamps) > limit:
-            self.report({"WARNING"}, lights.too_many(lamps, limit))
+        if found.left_out:
+            self.report({"WARNING"}, gather.too_many(found))
         return {"FINISHED"}
 
 
@@ -166,9 +167,9 @@ def set_up(scene: bpy.types.Scene, shown: bpy.types.Material, table: Path, setti
     DiffractionError
         If the table cannot be used.
     """
-    lamps = lights.lamp_objects(scene)
-    material.apply(shown, table, settings, lamps)
-    return setup.prepare_scene(scene, lamps, settings.implementation == "OSL")
+    material.apply(shown, table, settings)
+    handlers.update_all()
+    return setup.prepare_scene(scene, settings.implementation == "OSL")
 
 
 def _takes_material(ob: bpy.types.Object) -> bool:

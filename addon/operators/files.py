@@ -15,7 +15,8 @@ from ...precompute.errors import DiffractionError, TableError
 from ...precompute.files.atomic import atomic_path
 from .. import paths
 from ..jobs.threaded import Threaded, busy
-from ..materials import lights, material, refresh, travel
+from ..materials import material, refresh, travel
+from ..materials.node import group
 from ..preferences import bake_device
 from ..tables import bake_settings, recipe, scan_store
 from ..tables.bake_job import BakeJob
@@ -88,13 +89,13 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
     def finished(self, context, results):
         """Materials and scenes of each table follow."""
         for (place, users), result in zip(self._targets, results, strict=True):
-            made = users[0].get(recipe.KEY, "")
+            made = group.owner(users[0]).get(recipe.KEY, "")
             if result.path == place:
-                refresh.refresh(place, context.scene, made)
+                refresh.refresh(place, made)
             else:
                 for each in users:
-                    material.apply(each, result.path, material.settings_of(each), lights.lamp_objects(context.scene))
-                    each[recipe.KEY] = made
+                    material.set_table(each, result.path)
+                    group.owner(each)[recipe.KEY] = made
             for scene in bpy.data.scenes:
                 state = scene.diffraction
                 if state.table_path and paths.absolute(state.table_path) == place:
@@ -113,7 +114,7 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
         return chosen
 
     def _job(self, user: bpy.types.Material, place: Path) -> BakeJob:
-        made = recipe.of_material(user)
+        made = travel.recipe_of(user)
         if not made:
             raise TableError(
                 f"How the table {place.name} of {user.name} was made is not known; import its scan and bake it."
@@ -159,7 +160,7 @@ class DIFFRACTION_OT_find_files(bpy.types.Operator):
             place = next((p for p in folder.rglob(travel.home(each).name) if table_state(p).kind == READY), None)
             if place is not None and each.is_editable:
                 try:
-                    material.apply(each, place, material.settings_of(each), lights.lamp_objects(context.scene))
+                    material.set_table(each, place)
                 except DiffractionError as error:
                     self.report({"WARNING"}, str(error))
                     continue
@@ -205,7 +206,7 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
         target = _free(folder, place, there)
         for source in (there, there.with_suffix(".json")):
             _copy(source, target.with_suffix(source.suffix))
-        scan = place.with_name(recipe.of_material(users[0]).get("scan") or place.with_suffix(".gsf").name)
+        scan = place.with_name(travel.recipe_of(users[0]).get("scan") or place.with_suffix(".gsf").name)
         if scan.is_file():
             _copy(scan, folder / scan.name)
         for scene in bpy.data.scenes:
@@ -213,10 +214,10 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
             if state.table_path and paths.absolute(state.table_path) == place:
                 state.table_path = paths.relative(target)
         for each in users:
-            made = each.get(recipe.KEY)
-            material.apply(each, target, material.settings_of(each), lights.lamp_objects(context.scene))
+            made = group.owner(each).get(recipe.KEY)
+            material.set_table(each, target)
             if made:
-                each[recipe.KEY] = made
+                group.owner(each)[recipe.KEY] = made
         return 1
 
     def _copy_linked(self, users: list[bpy.types.Material]) -> int:
@@ -245,8 +246,7 @@ def farm_copies(linked: bpy.types.Material) -> dict[Path, Path]:
     """
     if linked.library is None or material.shader_node(linked) is None or not material.needs_osl(linked):
         return {}
-    images = [linked.get(key) for key in (travel.ATLAS, travel.IMPORTANCE)]
-    found = [image.filepath for image in images if image is not None and image.filepath.startswith("//")]
+    found = [image.filepath for image in travel.images_of(linked) if image.filepath.startswith("//")]
     pairs = {paths.absolute(name, linked.library): paths.absolute(name) for name in found}
     return {there: here for there, here in pairs.items() if there != here and there.is_file()}
 
@@ -280,14 +280,14 @@ class DIFFRACTION_OT_use_material_scan(bpy.types.Operator):
         if not material.is_ours(active):
             cls.poll_message_set("The active material has no table")
             return False
-        if not recipe.of_material(active):
+        if not travel.recipe_of(active):
             cls.poll_message_set("How this material's table was made is not known")
             return False
         return not busy(cls)
 
     def execute(self, context):
         active, state = context.object.active_material, context.scene.diffraction
-        place, made = travel.home(active), recipe.of_material(active)
+        place, made = travel.home(active), travel.recipe_of(active)
         try:
             source, _ = recipe.scan_of(made, place.parent)
         except DiffractionError as error:
@@ -299,7 +299,7 @@ class DIFFRACTION_OT_use_material_scan(bpy.types.Operator):
         state.reading, state.scan_info = made.get("reading", "{}"), made.get("info", "")
         state.imported = state.channels = ""
         bake_settings.recall(made.get("settings", {}), state)
-        state.table_path, state.table_recipe = paths.relative(place), active[recipe.KEY]
+        state.table_path, state.table_recipe = paths.relative(place), group.owner(active)[recipe.KEY]
         state.table_name = place.stem if place.stem != Path(made["scan"]).stem else ""
         self.report({"INFO"}, f"{place.stem}: {state.scan_info}")
         return {"FINISHED"}

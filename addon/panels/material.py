@@ -14,7 +14,7 @@ from ..operators import fit
 from ..operators.files import farm_copies, is_fresh, tables
 from ..tables.table_state import READY, table_state
 from .bake import scene_table
-from .sidebar import Sidebar, Stage, file_name, megabytes, note, split
+from .sidebar import Sidebar, Stage, button, file_name, megabytes, note, number, split
 
 
 class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
@@ -31,7 +31,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
             implementation, why = renderers.choose(context.scene, background=False)
             note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {why}")
         if implementation == "NODES":
-            note(layout, "Up to 8 lamps, by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
+            note(layout, "Lamps by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
             layout.prop(state, "ior")
@@ -46,7 +46,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout.prop(state, "rotation")
         layout.prop(state, "conserve_energy")
         if implementation == "OSL":
-            layout.prop(state, "environment")
+            number(layout, state, "environment", "off")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
         if fit.misfits(context.scene):
             note(layout, fit.why(context.scene), "ERROR")
@@ -65,7 +65,7 @@ class DIFFRACTION_PT_assets(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         note(self.layout, "Snakes, discs, gratings and foils as ready materials with pictures; some minutes of work")
-        self.layout.operator("diffraction.make_asset_library", icon="ASSET_MANAGER")
+        button(self.layout, "diffraction.make_asset_library", icon="ASSET_MANAGER")
 
 
 class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
@@ -126,7 +126,7 @@ class DIFFRACTION_PT_material_tab(bpy.types.Panel):
         return context.object is not None and context.object.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, active = self.layout, context.material
+        layout, active = self.layout, getattr(context, "material", None)
         if material.is_ours(active) and material.shader_node(active) is not None:
             draw_active(layout, active)
             return
@@ -157,9 +157,9 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             broken |= not ready
             outside |= ready and users[0].is_editable and place.parent != paths.data_folder()
             linked |= any(not is_fresh(here, there) for each in users for there, here in farm_copies(each).items())
-            row = layout.row()
-            row.label(text=f"{file_name(place.name)} ({len(users)})", icon="TEXTURE" if ready else "ERROR")
-            row.label(text=megabytes(found.texture_bytes) if ready else found.kind.title())
+            size = megabytes(found.texture_bytes) if ready else found.kind.title()
+            count = f"{len(users)} material{'s' * (len(users) != 1)}"
+            note(layout, f"{file_name(place.name)}: {size}, {count}", "TEXTURE" if ready else "ERROR")
         layout.label(text=f"{megabytes(total)} of texture in all")
         if broken:
             layout.operator("diffraction.rebake", text="Bake Broken Again", icon="FILE_REFRESH").scope = "BROKEN"

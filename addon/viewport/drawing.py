@@ -248,8 +248,7 @@ class Renderer:
 
 
 def _is_of_nodes(shaded: bpy.types.Material) -> bool:
-    node = material.shader_node(shaded)
-    return node is not None and node.bl_idname == "ShaderNodeGroup"
+    return material.shader_node(shaded) is not None and not material.needs_osl(shaded)
 
 
 def ambient(scene: bpy.types.Scene) -> tuple[float, float, float]:

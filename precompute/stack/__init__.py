@@ -5,7 +5,8 @@
 `reflectance` is that of unpolarised light by the transfer matrix.
 """
 
-from .materials import MATERIALS, Material, material_of
+from .material import Material
+from .materials import MATERIALS, material_of
 from .stack import Film, Group, Stack, parse_stack, stack_of, to_json
 from .transfer import fresnel_exact, reflectance
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..errors import ParameterError
 from .dispersion import Curve
-from .materials import Material
+from .material import Material
 
 _LARGEST_BYTES = 2 * 1024 * 1024
 

@@ -14,7 +14,8 @@ import numpy as np
 
 from ..constants import WAVELENGTH_MIN_M
 from ..errors import ParameterError
-from .materials import Material, material_of
+from .material import Material
+from .materials import material_of
 from .transfer import reflectance
 
 #: Most films after groups are written out, and the thickest pile that is one coherent stack (metres).

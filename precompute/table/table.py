@@ -122,6 +122,13 @@ class SpectralTable:
         return self.info.get("stack") is not None
 
     @property
+    def stuff(self) -> dict[str, Any]:
+        """What a command says of stack (in words, with notes) and lacquer; what is not there is left out."""
+        stack, lacquer = self.info.get("stack"), self.info.get("lacquer")
+        said: dict[str, Any] = {} if stack is None else {"stack": stack["text"], "notes": list(stack["notes"])}
+        return said if lacquer is None else {**said, "lacquer": dict(lacquer)}
+
+    @property
     def index(self) -> float:
         """Refractive index of the lacquer over the relief; 1 for air."""
         lacquer = self.info.get("lacquer")

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender window with the extension in it, for all tests of a run; they follow each other as a working day does."""
 
+import contextlib
 import os
 import subprocess
 import sys
@@ -62,10 +63,21 @@ def desk(work):
         driver.quit()
 
 
+@pytest.fixture(scope="session")
+def enabled(desk, zipped):
+    """The window with the extension installed from disk, its tab open."""
+    options = f"filepath={str(zipped)!r}, repo='user_default', enable_on_install=True"
+    desk.run(f"bpy.ops.extensions.package_install_files({options})")
+    assert desk.look("[a.module for a in bpy.context.preferences.addons if 'diffraction' in a.module]")
+    desk.open_sidebar()
+    return desk
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
     """A picture of what the screen showed when a test failed."""
     report = yield
     if call.when == "call" and report.failed and "desk" in item.funcargs:
-        item.funcargs["desk"].shot(f"failed_{item.name}")
+        with contextlib.suppress(AssertionError, subprocess.SubprocessError):  # a window that does not answer
+            item.funcargs["desk"].shot(f"failed_{item.name}")
     return report

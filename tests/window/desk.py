@@ -37,6 +37,38 @@ class Desk:
         """A property of the scene's panel."""
         return self.look(f"{STATE}.{name}")
 
+    def open_sidebar(self):
+        """The sidebar's tab, and the help of the probe, which a new file has not forgotten but whose places changed."""
+        self.run("area().spaces.active.show_region_ui = True")
+        time.sleep(0.5)
+        self.run("show_tab()")
+        time.sleep(0.5)
+        self._places = []
+
+    def new_file(self):
+        """File > New > General."""
+        self.run("with anywhere(): bpy.ops.wm.read_homefile()")
+        time.sleep(1.0)
+        self.open_sidebar()
+
+    def render(self, seconds=240.0):
+        """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
+        import numpy as np
+
+        x, y, width, height = self.look("rectangle('VIEW_3D', 'WINDOW')")
+        self.driver.point(x + width // 3, y + height // 2)
+        self.driver.key("F12")
+        time.sleep(0.5)
+        deadline = time.monotonic() + seconds
+        while self.run("print(bpy.app.is_job_running('RENDER'))") == "True":
+            assert time.monotonic() < deadline, "The render did not end"
+            time.sleep(0.2)
+        place = self.work / "render.png"
+        self.run(f"bpy.data.images['Render Result'].save_render({str(place)!r})")
+        from PIL import Image
+
+        return np.asarray(Image.open(place).convert("RGB")) / 255.0
+
     def panel(self):
         """What the sidebar shows now, by pointing at it."""
         self._places = self.driver.sweep()

@@ -32,6 +32,11 @@ def preset_pictures():
     )
 
 
+def house_picture():
+    """The wings on their floors."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs" / "house_picture.py"], check=True)
+
+
 def paint_picture():
     """Recipes of grating paint."""
     subprocess.run([sys.executable, ROOT / "tools" / "docs" / "paint_pictures.py"], check=True)
@@ -68,6 +73,7 @@ def guide():
 
 def main():
     PICTURES.mkdir(parents=True, exist_ok=True)
+    house_picture()
     demo_pictures()
     preset_pictures()
     paint_picture()
