@@ -43,7 +43,7 @@ Progress = Callable[[str, float], None]
 #: Does what `PolarIntensity.coefficients` does on another device: gets it, the kappas and a progress (a fraction).
 Transforms = Callable[[PolarIntensity, np.ndarray, Callable[[float], None]], np.ndarray]
 
-#: Angles that go from the transforms to the spectral sum at a time; bounds the memory in between.
+#: Angles that go from the transforms to the spectral sum at a time, at most; bounds the memory in between.
 ANGLES_A_BLOCK = 96
 
 #: Polar angles of the row that holds the reflectance of the surface's stuff.
@@ -368,6 +368,15 @@ def _bake(
     return SpectralTable(layout, atlas, info)
 
 
+def blocks_of_angles(count: int) -> list[slice]:
+    """Even blocks, twelve or a multiple of it where they are not too small: 2, 3, 4 or 6 threads end together.
+
+    They do not depend on the threads, so that the same bake gives the same bytes on one processor and on many.
+    """
+    size = max(48, math.ceil(count / (12 * math.ceil(count / (12 * ANGLES_A_BLOCK)))))
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+
+
 def _integrate(
     polar: PolarIntensity,
     coefficients: np.ndarray,
@@ -380,10 +389,7 @@ def _integrate(
 
     Returns means of S over sectors, ``(sectors, n_f, n)`` for each of the sum's grids.
     """
-    # As many blocks as keep all threads busy to the end.
-    rounds = math.ceil(layout.n_phi / (ANGLES_A_BLOCK * workers()))
-    size = math.ceil(layout.n_phi / (rounds * workers()))
-    blocks = [slice(start, min(start + size, layout.n_phi)) for start in range(0, layout.n_phi, size)]
+    blocks = blocks_of_angles(layout.n_phi)
     flat = None if transform is None else transform.reshape(layout.n_r, layout.n_w * 3, layout.n_phi)
     sectors = min(SECTORS, layout.n_phi)
     means = [np.zeros((sectors, len(each), total.n_nodes), np.float32) for each in total.grids]
