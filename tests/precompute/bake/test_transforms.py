@@ -61,7 +61,7 @@ def test_runs_of_the_band(padded, band):
 def test_polar_points_lie_along_rays():
     """S of a wide flat patch is a Gaussian: its values on the polar grid are those of the formula."""
     sigma_s = 0.5e-6
-    polar = PolarIntensity(HeightField(np.zeros((160, 160)), 60e-9, 60e-9), sigma_s, "average")
+    polar = PolarIntensity(HeightField(np.zeros((500, 500)), 60e-9, 60e-9), sigma_s, "average")
     angles = np.array([0.0, 0.7, 4.0])
     frequencies = polar.frequencies[:12:2]
     found = polar.polar(polar.coefficients(np.array([0.5 * KAPPA_MAX])), angles, frequencies)
