@@ -466,12 +466,16 @@ def assemble(
     layout = replace(layout, scale=peak / _LARGEST_TEXEL)
     factor = np.float32(1.0 / layout.scale)
     atlas = np.zeros((layout.height, layout.width, 3), np.float16)
-    for index in range(layout.n_w):
+
+    def put(index: int) -> None:
         x, y = layout.tile_origin(index)
         tile = atlas[y : y + layout.tile_height, x : x + layout.n_r]
         slice_texels = texels[:, index] if turn is None else np.matmul(turn, texels[:, index])
         tile[1:-1] = (slice_texels * factor).transpose(2, 0, 1)
         tile[0], tile[-1] = tile[-2], tile[1]
+
+    with ThreadPoolExecutor(workers()) as pool:
+        list(pool.map(put, range(layout.n_w)))
     for number, values in enumerate(np.broadcast_to(albedo, (layout.n_albedo, layout.n_albedo_phi, layout.n_theta))):
         y = layout.albedo_y + number * layout.albedo_height
         tile = atlas[y : y + layout.albedo_height, : layout.n_theta]
