@@ -60,6 +60,8 @@ def test_variants(read):
         ("a.vk4", more_scan_files.vk4(HEIGHTS, SIZE, bits=16)),
         ("a.dat", more_scan_files.metropro(HEIGHTS, SQUARE, inverted=1)),
         ("a.dat", more_scan_files.metropro(HEIGHTS, SQUARE, magic=b"\x88\x1b\x03\x71")),
+        ("a.sm4", more_scan_files.sm4(HEIGHTS, SIZE, upwards=True)),
+        ("a.sm4", more_scan_files.sm4(HEIGHTS, SIZE, leftwards=True)),
         ("a.mi", more_scan_files.mi(HEIGHTS, SIZE, bits=32)),
     ):
         np.testing.assert_allclose(read(name, data).heights, HEIGHTS, atol=0.06e-9)
@@ -76,6 +78,8 @@ JPK_CHANNELS = [
     [
         ("mi", ["Deflection [V]", "Topography [um]"]),
         ("mdt", ["DFL [V]", "Height [nm]"]),
+        ("ardf", ["PhaseTrace [deg]", "HeightTrace [m]"]),
+        ("sm4", ["Current (forward) [A]", "Topography (forward) [m]"]),
         ("nhf", ["Deflection (Forward) [V]", "Topography (Forward) [m]"]),
         ("h5-jpk", JPK_CHANNELS),
     ],
@@ -162,7 +166,8 @@ MAPPED = [
     ("stp", scan_files.wsxm), ("sxm", scan_files.nanonis), ("sur", scan_files.sur), ("sdf", scan_files.sdf_binary),
     ("opd", scan_files.opd), ("plu", scan_files.plu), ("ibw", scan_files.igor), ("vk4", more_scan_files.vk4),
     ("nms", more_scan_files.nms), ("mi", more_scan_files.mi), ("mdt", more_scan_files.mdt),
-    ("opdx", more_scan_files.opdx), ("al3d", more_scan_files.al3d),
+    ("sm4", more_scan_files.sm4),
+    ("ardf", more_scan_files.ardf), ("opdx", more_scan_files.opdx), ("al3d", more_scan_files.al3d),
 ]  # fmt: skip
 
 
