@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -112,7 +113,7 @@ class _Sockets:
     def __init__(self, node: bpy.types.Node | None) -> None:
         self._node = node
 
-    def __call__(self, name: str, default):
+    def __call__(self, name: str, default: Any) -> Any:
         socket = self._node.inputs.get(name) if self._node is not None else None
         return default if socket is None or not hasattr(socket, "default_value") else socket.default_value
 

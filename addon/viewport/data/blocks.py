@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -154,14 +155,14 @@ class Surface:
         return flags | {name for name, wanted in chosen.items() if wanted}
 
 
-def uniform(rows: np.ndarray):
+def uniform(rows: np.ndarray) -> Any:
     """A uniform buffer with these rows."""
     import gpu
 
     return gpu.types.GPUUniformBuf(buffer(rows))
 
 
-def buffer(values: np.ndarray):
+def buffer(values: np.ndarray) -> Any:
     """Numbers as the gpu module takes them."""
     import gpu
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
@@ -51,7 +52,7 @@ def _text(*names: str) -> str:
     return "\n".join((SHADERS / name).read_text(encoding="utf-8") for name in names)
 
 
-def _begin(method: str, flags: frozenset[str]):
+def _begin(method: str, flags: frozenset[str]) -> Any:
     import gpu
 
     info = gpu.types.GPUShaderCreateInfo()
@@ -82,7 +83,7 @@ _BRDF = {"TABLE": ("table.glsl", "brdf.glsl"), "FLSS": ("table.glsl", "flss.glsl
 
 
 @cache
-def surface(method: str, flags: frozenset[str]):
+def surface(method: str, flags: frozenset[str]) -> Any:
     """The shader that draws meshes, by one of `METHODS`, with some of `FLAGS` and a number of lamps."""
     import gpu
 
@@ -110,7 +111,7 @@ def surface(method: str, flags: frozenset[str]):
 
 
 @cache
-def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = ""):
+def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = "") -> Any:
     """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer.
 
     Parameters
