@@ -225,6 +225,36 @@ def ardf(heights, size):
     return section(b"ARDF", b"") + contents + b"".join(images)
 
 
+def omicron(heights, size, mirrored=(1, 1), lines=None, transfer="TFF_Linear1D"):
+    """Up and down, forwards and backwards, each a tenth of a micrometre above the last; 0.01 nm a count."""
+    rows, cols = heights.shape
+
+    def word(text):
+        return struct.pack("<I", len(text)) + text.encode("utf-16-le")
+
+    def axis(name, count, step, both):
+        head = word(name) + word("Default") + word("m") + struct.pack("<Iii", count * (1 + both), 0, 1)
+        return head + struct.pack("<ddII", 0.0, step, both, 1) + word(name) + struct.pack("<I3I", 1, 0, count, 1)
+
+    def counts(number):
+        return np.rint((heights + 1e-7 * number) / 1e-11).astype("<i4") + 7
+
+    stored = []
+    for down in range(1 + mirrored[1]):
+        for row in range(rows)[:: -1 if down else 1]:
+            for backward in range(1 + mirrored[0]):
+                stored.append(counts(2 * down + backward)[row][:: -1 if backward else 1])
+    stored = np.array(stored[: lines or len(stored)])
+    values = {"Factor": 1e11, "Offset": 7.0}
+    if transfer != "TFF_Linear1D":
+        values = {"Raw_1": 3.0, "PreOffset": 1.0, "NeutralFactor": 2e11, "PreFactor": 1.0, "Offset": 7.0}
+    out = b"FLAT0100" + struct.pack("<I", 2) + axis("X", cols, size[0] / cols, mirrored[0])
+    out += axis("Y", rows, size[1] / rows, mirrored[1]) + word("Z") + word(transfer) + word("m")
+    out += struct.pack("<I", len(values)) + b"".join(word(k) + struct.pack("<d", v) for k, v in values.items())
+    out += struct.pack("<IIQ", 1, 2, 0) + word("a comment") + struct.pack("<II", stored.size, stored.size)
+    return out + stored.tobytes() + struct.pack("<I", 0)
+
+
 def sm4(heights, size, upwards=False, leftwards=False):
     """A spectrum and two images, current and topography (0.01 nm a count, 0.5 um added)."""
     rows, cols = heights.shape
@@ -364,6 +394,7 @@ WRITERS = {
     "mdt": (mdt, ".mdt", 0.03e-9),
     "opdx": (opdx, ".opdx", 1e-13),
     "ardf": (ardf, ".ardf", 1e-13),
+    "omicron": (omicron, ".Z_flat", 0.006e-9),
     "sm4": (sm4, ".sm4", 0.006e-9),
 }
 HDF = {"datx": (datx, ".datx", 1e-20), "nhf": (nhf, ".nhf", 1e-15), "h5-jpk": (h5_jpk, ".h5-jpk", 1e-14)}
