@@ -72,6 +72,8 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
         environment=bool(value("Environment", 0)),
         brightness=float(value("Brightness", 1.0)) * view.brightness,
     )
+    if layout.holds_reflectance:
+        look.kept = np.clip(np.array(info["reflectance_xyz"], float) @ look.to_rgb.T, 0.0, 1.0)
     turned = orientation.angle_image(shaded)
     if turned is not None:
         look.angle_image, look.rotation = True, turned[1]
@@ -90,7 +92,7 @@ def relative_gain(info: dict, look: Surface) -> float:
     area = coherence_area((rows, cols), size_x / cols, size_y / rows, parameters["sigma_s_m"], parameters["ensemble"])
     normal = np.array([0.0, 0.0, 1.0])
     gain = float(relative_colour_factor(normal, normal, area, info["colour"]["illuminant"]))
-    if look.fresnel == "DIELECTRIC":
+    if look.fresnel == "DIELECTRIC" and not look.layout.holds_reflectance:
         gain /= max(((look.ior - 1.0) / (look.ior + 1.0)) ** 2, 1e-6)
     return gain
 

@@ -18,12 +18,16 @@ struct DiffractionFrame {
 struct DiffractionSurface {
   vec4 radial; vec4 slices; vec4 value; vec4 texel; vec4 to_red; vec4 to_green; vec4 to_blue; vec4 fresnel;
   vec4 conductor_n; vec4 conductor_k; vec4 rotation; vec4 pigment;
+  vec4 kept[KEPT];
 };
 struct DiffractionSeries { vec4 bins; vec4 window; vec4 loops; vec4 spectrum[WAVELENGTHS_MAX]; };
 """
 
 #: Wavelengths of the reference method: 380-780 nm in steps of 5 nm are 81.
 WAVELENGTHS_MAX = 96
+
+#: Angles of view, even steps from 0 to 90 degrees, at which a surface tells what it keeps from the pigment below.
+KEPT = 19
 
 METHODS = ("TABLE", "FLSS")
 
@@ -39,6 +43,8 @@ FLAGS = (
     "LINEAR_IN_W",  # of the table's factor |w|^power: the power is 1
     "DIELECTRIC",
     "CONDUCTOR",
+    "INSIDE",  # the table holds the reflectance of its stuff
+    "LACQUER",
     "AMBIENT",  # a plain world
     "SUNS",
     "BALLS",
@@ -63,6 +69,7 @@ def _begin(method: str, flags: frozenset[str]) -> Any:
             info.define(name, "1")
     info.define("LAMPS_MAX", str(LAMPS_MAX))
     info.define("WAVELENGTHS_MAX", str(WAVELENGTHS_MAX))
+    info.define("KEPT", str(KEPT))
     for name, value in LAMP_KINDS.items():
         info.define(f"LAMP_{name}", f"{value}.0")
     info.define(f"METHOD_{method}", "1")
