@@ -88,7 +88,7 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not context.scene.diffraction.table_path:
             cls.poll_message_set("Bake a table first")
             return False
@@ -97,13 +97,13 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             return False
         return True
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """A person wants to see the colours; scripts say ``dark_ground=True``."""
         if not is_given(self, "dark_ground"):
             self.dark_ground = True
         return self.execute(context)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         take(self, context.scene.diffraction, _FROM_PANEL)
         implementation, why = self.implementation, ""
         if implementation == "AUTO":
@@ -275,13 +275,13 @@ class DIFFRACTION_OT_restore_settings(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not setup.changes(context.scene):
             cls.poll_message_set("Nothing was changed")
             return False
         return True
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         count = setup.restore_scene(context.scene)
         self.report({"INFO"}, f"Restored {count} setting{'s' * (count != 1)}; Apply sets them again")
         return {"FINISHED"}

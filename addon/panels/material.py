@@ -23,7 +23,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
     bl_label = "Material"
     bl_order = 4
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         layout.prop(state, "implementation")
         implementation = state.implementation
@@ -75,7 +75,7 @@ class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_material"
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         active = _active(context)
         return material.is_ours(active) and material.shader_node(active) is not None
 
@@ -168,10 +168,10 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return material.any_ours()
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, total, broken, outside, linked = self.layout, 0, False, False, False
         for place, users in tables().items():
             found = table_state(material.table_path(users[0]))
@@ -203,10 +203,10 @@ class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return bool(setup.changes(context.scene))
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         for text in setup.changes(context.scene):
             self.layout.label(text=text, icon="CHECKMARK")
         self.layout.operator("diffraction.restore_settings", icon="LOOP_BACK")

@@ -353,6 +353,8 @@ def _bake(
     }
     if stack is not None:
         info["stack"] = {**(stack_to_json(stack) or {}), "text": str(stack), "notes": list(stack.notes)}
+    if seen is not None:  # every five degrees, for readers without the atlas
+        info["reflectance_xyz"] = np.round(seen[:: (N_REFLECTANCE - 1) // 18], 6).tolist()
     if parameters.lacquer is not None:
         info["lacquer"] = {"material": parameters.lacquer.to_json(), "n": index}
     return SpectralTable(layout, atlas, info)
