@@ -2,6 +2,8 @@
 """Variants of the formats that are easily read wrongly: the right numbers or one sentence, nothing in between."""
 
 import io
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -438,3 +440,17 @@ def test_exports_of_several_channels(read):
     field = read("scan.txt", text)
     same(field, size_um=(2, 1.5))
     assert field.metadata["channels"] == ["Phase [deg]", "Topo [nm]"]
+
+
+def test_floats_with_predictor_3_name_what_is_missing(refused):
+    """A TIFF of one strip, deflated, whose bytes were predicted (Adobe's technical note 3)."""
+    from importlib.util import find_spec
+
+    if find_spec("imagecodecs") is not None:
+        pytest.skip("imagecodecs is installed, so such a file is read")
+    strip = zlib.compress(bytes(4 * 12))
+    entries = [(256, 4), (257, 3), (258, 32), (259, 8), (262, 1), (273, 8), (277, 1), (278, 3)]
+    entries += [(279, len(strip)), (317, 3), (339, 3)]
+    table = struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries)
+    data = struct.pack("<2sHI", b"II", 42, 8 + len(strip)) + strip + table + struct.pack("<I", 0)
+    assert "imagecodecs" in refused("scan.tif", data, **SIZES)
