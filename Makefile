@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Every target sets up what it needs in .venv; nothing outside this folder is touched.
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-4.5 demo test test-slow test-thorough test-4.5 fuzz bench lint types docs build clean
+.PHONY: help setup setup-4.5 demo test test-slow test-thorough test-4.5 fuzz bench lint types docs build release clean
 
 VENV := .venv
 PY := $(VENV)/bin/python
@@ -20,9 +20,10 @@ help:
 	@echo "make test-4.5   the smoke tests in Blender 4.5 LTS, set up in .venv-4.5 (needs Python 3.11)"
 	@echo "make fuzz       hostile files, kill -9, full disks: what tests/trust holds, slow ones too"
 	@echo "make bench      times, memory and accuracy of a bake"
-	@echo "make lint       ruff check and format; make types: mypy on precompute/"
+	@echo "make lint       ruff check and format; make types: mypy on precompute/ and addon/"
 	@echo "make docs       the pictures of docs/"
-	@echo "make build      the extension, one zip a platform, in dist/"
+	@echo "make build      the extension, one zip a platform and Python of Blender, in dist/"
+	@echo "make release    the same, and the index that Blender's remote repositories read"
 
 setup: $(READY)
 
@@ -31,7 +32,7 @@ $(READY): pyproject.toml .python-version tools/build/check_system.py tools/build
 	@test -x $(PY) && $(PY) -c "import sys; sys.exit('%d.%d' % sys.version_info[:2] != '$(shell cut -d. -f1,2 .python-version)')" 2> /dev/null \
 		|| { rm -rf $(VENV); "$$(sh tools/build/find_python.sh)" -m venv $(VENV); }
 	@$(PY) tools/build/check_system.py
-	@$(PY) tools/build/requirements.py blender sweep test dev > $(VENV)/requirements.txt
+	@$(PY) tools/build/requirements.py blender unbundled sweep test dev > $(VENV)/requirements.txt
 	@echo "Installing Blender as a module and the tools into $(VENV) (about 500 MB, once) ..."
 	@$(PY) -m pip install --quiet --requirement $(VENV)/requirements.txt
 	@touch $(READY)
@@ -42,7 +43,7 @@ $(READY45): pyproject.toml tools/build/check_system.py tools/build/find_python.s
 	@sh tools/build/find_python.sh 3.11 > /dev/null
 	@test -x $(PY45) || "$$(sh tools/build/find_python.sh 3.11)" -m venv $(VENV45)
 	@$(PY45) tools/build/check_system.py
-	@$(PY45) tools/build/requirements.py blender test > $(VENV45)/requirements.txt
+	@$(PY45) tools/build/requirements.py blender unbundled test > $(VENV45)/requirements.txt
 	@echo "Installing Blender 4.5 LTS as a module into $(VENV45) (about 500 MB, once) ..."
 	@$(PY45) -m pip install --quiet --requirement $(VENV45)/requirements.txt
 	@touch $(READY45)
@@ -76,13 +77,16 @@ lint: $(READY)
 	@$(PY) -m ruff format --check .
 
 types: $(READY)
-	@$(PY) -m mypy
+	@$(PY) tools/build/check_types.py
 
 docs: $(READY)
 	@$(PY) tools/docs/all.py
 
 build: $(READY)
 	@$(PY) tools/build/build_extension.py --platform all
+
+release: $(READY)
+	@$(PY) tools/build/release.py
 
 clean:
 	rm -rf $(VENV) $(VENV45) out dist build wheels

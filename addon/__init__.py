@@ -21,6 +21,8 @@ def register() -> None:
     import bpy
 
     for part in _parts():
+        if hasattr(part, "prepare"):
+            part.prepare()
         for cls in getattr(part, "CLASSES", ()):
             bpy.utils.register_class(cls)
         if hasattr(part, "register"):

@@ -21,6 +21,11 @@ def unpack_folder() -> Path:
     return _user_folder("unpacked")
 
 
+def asset_folder() -> Path:
+    """Where the asset library goes. Not made here."""
+    return _user_folder("assets")
+
+
 def _user_folder(name: str) -> Path:
     package = __package__.rpartition(".")[0]
     if package.startswith("bl_ext."):
@@ -41,3 +46,9 @@ def relative(path: Path) -> str:
         return bpy.path.relpath(str(path)).replace(os.sep, "/")
     except ValueError:  # another drive
         return str(path)
+
+
+def manual_page(name: str) -> str:
+    """A page of the guide that ships with the extension; with an empty name its folder."""
+    folder = Path(__file__).resolve().parent.parent / "manual"
+    return str(folder / f"{name}.html") if name else str(folder)

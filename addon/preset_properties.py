@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import bpy
@@ -10,7 +11,40 @@ from bpy.props import BoolProperty, FloatProperty, IntProperty
 
 from ..precompute.presets import PRESETS, Parameter, Preset
 
-ITEMS = [(preset.name, preset.label, preset.description) for preset in PRESETS.values()]
+ITEMS: list[tuple[str, str, str]] = [(preset.name, preset.label, preset.description) for preset in PRESETS.values()]
+
+#: Small pictures by preset, for menus; made by tools/docs/preset_thumbnails.py.
+_PICTURES = Path(__file__).resolve().parent / "preset_pictures"
+
+_previews: Any = None
+
+
+def pictured_items() -> list[tuple[str, str, str, int, int]]:
+    """`ITEMS` with pictures, loaded from files; registering asks for it."""
+    global _previews
+    from bpy.utils import previews
+
+    if _previews is None:
+        _previews = previews.new()
+    found = []
+    for number, (name, label_, description) in enumerate(ITEMS):
+        path = _PICTURES / f"{name}.png"
+        if path.is_file() and name not in _previews:
+            _previews.load(name, str(path), "IMAGE")
+        icon = _previews[name].icon_id if name in _previews else 0
+        found.append((name, label_, description, icon, number))
+    return found
+
+
+def drop_pictures() -> None:
+    """Free them."""
+    global _previews
+    from bpy.utils import previews
+
+    if _previews is not None:
+        previews.remove(_previews)
+        _previews = None
+
 
 #: For people; lengths carry their unit in the label since Blender has no nanometres.
 _UNITS = {"um": "um", "nm": "nm", "deg": "deg", "percent": "%"}
@@ -24,16 +58,16 @@ def label(parameter: Parameter) -> str:
 
 
 def _property(parameter: Parameter) -> Any:
-    given = {"name": label(parameter), "description": parameter.help, "default": parameter.default}
+    given: dict[str, Any] = {"name": label(parameter), "description": parameter.help, "default": parameter.default}
     if isinstance(parameter.default, bool):
         return BoolProperty(**given)
     given |= {"min": parameter.minimum, "max": parameter.maximum}
     if isinstance(parameter.default, int):
-        return IntProperty(**{**given, "min": int(parameter.minimum), "max": int(parameter.maximum)})
+        return IntProperty(**{**given, "min": int(given["min"]), "max": int(given["max"])})
     return FloatProperty(**given, precision=3)
 
 
-def _group(preset: Preset) -> type:
+def _group(preset: Preset) -> type[bpy.types.PropertyGroup]:
     annotations = {parameter.name: _property(parameter) for parameter in preset.parameters}
     return type(
         f"DIFFRACTION_PG_preset_{preset.name}",
@@ -43,7 +77,7 @@ def _group(preset: Preset) -> type:
 
 
 #: A property group for each preset, by its name.
-GROUPS = {preset.name: _group(preset) for preset in PRESETS.values()}
+GROUPS: dict[str, type[bpy.types.PropertyGroup]] = {preset.name: _group(preset) for preset in PRESETS.values()}
 
 
 def all_parameters() -> dict[str, Any]:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import bpy
 from bpy.props import (
@@ -52,9 +53,11 @@ FRESNEL_ITEMS = [
     ("NONE", "None", "Reflects everything"),
 ]
 
+# Numbers, because files keep those: version 0.1.0 had OSL as 0.
 IMPLEMENTATION_ITEMS = [
-    ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light"),
-    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file"),
+    ("AUTO", "Automatic", "OSL where this Blender, the scene's engine and its device render it, else Nodes", 0, 2),
+    ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light", 0, 0),
+    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file", 0, 1),
 ]
 
 ORIENTATION_ITEMS = [
@@ -65,7 +68,7 @@ ORIENTATION_ITEMS = [
 ]
 
 
-def sigma_s() -> FloatProperty:
+def sigma_s() -> Any:
     """Standard deviation of the coherence window."""
     return FloatProperty(
         name="Coherence (um)",
@@ -74,12 +77,12 @@ def sigma_s() -> FloatProperty:
     )  # fmt: skip
 
 
-def ensemble() -> EnumProperty:
+def ensemble() -> Any:
     """How windows are averaged."""
     return EnumProperty(name="Ensemble", description="How coherence windows are averaged", items=ENSEMBLE_ITEMS)
 
 
-def replicas() -> IntVectorProperty:
+def replicas() -> Any:
     """Copies of a period."""
     return IntVectorProperty(
         name="Copies", description="Copies of the scan along x and y, for the ensemble Periodic",
@@ -87,12 +90,12 @@ def replicas() -> IntVectorProperty:
     )  # fmt: skip
 
 
-def series() -> EnumProperty:
+def series() -> Any:
     """How the phase is transformed."""
     return EnumProperty(name="Series", description="How the phase is transformed", items=SERIES_ITEMS)
 
 
-def tolerance() -> FloatProperty:
+def tolerance() -> Any:
     """Error that the series may leave."""
     return FloatProperty(
         name="Tolerance", description="Largest error that the series may leave",
@@ -100,19 +103,19 @@ def tolerance() -> FloatProperty:
     )  # fmt: skip
 
 
-def level() -> EnumProperty:
+def level() -> Any:
     """Levelling."""
     return EnumProperty(
         name="Levelling", description="What to take out of the heights", items=LEVEL_ITEMS, default="poly2"
     )
 
 
-def use_crop() -> BoolProperty:
+def use_crop() -> Any:
     """Whether only a rectangle is kept."""
     return BoolProperty(name="Crop", description="Keep only a rectangle of the scan", default=False)
 
 
-def crop_um() -> FloatVectorProperty:
+def crop_um() -> Any:
     """The rectangle."""
     return FloatVectorProperty(
         name="Rectangle (um)",
@@ -121,7 +124,7 @@ def crop_um() -> FloatVectorProperty:
     )  # fmt: skip
 
 
-def align_rows() -> EnumProperty:
+def align_rows() -> Any:
     """Row alignment."""
     return EnumProperty(
         name="Align Rows",
@@ -134,7 +137,7 @@ def align_rows() -> EnumProperty:
     )
 
 
-def smooth_nm() -> FloatProperty:
+def smooth_nm() -> Any:
     """Smoothing."""
     return FloatProperty(
         name="Smooth (nm)", description="Standard deviation of a Gaussian over the heights in nanometres; 0: none",
@@ -142,7 +145,7 @@ def smooth_nm() -> FloatProperty:
     )  # fmt: skip
 
 
-def tile() -> EnumProperty:
+def tile() -> Any:
     """Opposite edges."""
     return EnumProperty(
         name="Tileable",
@@ -155,7 +158,7 @@ def tile() -> EnumProperty:
     )
 
 
-def clip_percent() -> FloatProperty:
+def clip_percent() -> Any:
     """Dust clip."""
     return FloatProperty(
         name="Keep (%)", description="Middle percent of the heights to keep (99.9 clips dust); 0 keeps all",
@@ -163,7 +166,7 @@ def clip_percent() -> FloatProperty:
     )  # fmt: skip
 
 
-def detail() -> FloatProperty:
+def detail() -> Any:
     """Resolution of the table."""
     return FloatProperty(
         name="Detail", description="Resolution of the table; its texels grow with the cube of it",
@@ -171,12 +174,12 @@ def detail() -> FloatProperty:
     )  # fmt: skip
 
 
-def illuminant() -> EnumProperty:
+def illuminant() -> Any:
     """Light whose spectrum is baked in."""
     return EnumProperty(name="Illuminant", description="Spectrum of the light", items=ILLUMINANT_ITEMS)
 
 
-def illuminant_file() -> StringProperty:
+def illuminant_file() -> Any:
     """A measured light."""
     return StringProperty(
         name="Light File",
@@ -185,14 +188,14 @@ def illuminant_file() -> StringProperty:
     )  # fmt: skip
 
 
-def illuminant_data() -> StringProperty:
+def illuminant_data() -> Any:
     """What the file held when it was baked."""
     return StringProperty(
         name="Values of the Light File", description="Its spectrum as JSON, kept with a bake", options={"HIDDEN"}
     )
 
 
-def limit_mb() -> IntProperty:
+def limit_mb() -> Any:
     """Largest table."""
     return IntProperty(
         name="Limit (MB)",
@@ -203,26 +206,26 @@ def limit_mb() -> IntProperty:
     )
 
 
-def ior() -> FloatProperty:
+def ior() -> Any:
     """Index of refraction."""
     return FloatProperty(
         name="IOR", description="Index of refraction of the surface (keratin 1.55)", default=1.55, min=1.0, soft_max=3.0
     )
 
 
-def preset_size() -> FloatProperty:
+def preset_size() -> Any:
     """Side length of a preset's patch."""
     return FloatProperty(
         name="Size (um)", description="Side length in micrometres; 0 takes the preset's", default=0.0, min=0.0
     )
 
 
-def preset_pixels() -> IntProperty:
+def preset_pixels() -> Any:
     """Pixels of a preset's patch."""
     return IntProperty(name="Pixels", description="Pixels along a side; 0 takes the preset's", default=0, min=0)
 
 
-def map_theta() -> FloatProperty:
+def map_theta() -> Any:
     """Polar angle of a map's light."""
     return FloatProperty(
         name="Theta", description="Angle between the light and the surface's normal", subtype="ANGLE",
@@ -230,19 +233,19 @@ def map_theta() -> FloatProperty:
     )  # fmt: skip
 
 
-def map_phi() -> FloatProperty:
+def map_phi() -> Any:
     """Azimuth of a map's light."""
     return FloatProperty(
         name="Phi", description="Azimuth of the light from the scan's x towards its y", subtype="ANGLE"
     )
 
 
-def map_size() -> IntProperty:
+def map_size() -> Any:
     """Pixels of a map."""
     return IntProperty(name="Pixels", description="Pixels along a side of the map", default=512, min=16, max=4096)
 
 
-def plot_theta() -> FloatProperty:
+def plot_theta() -> Any:
     """Light of the reflectance plot."""
     return FloatProperty(
         name="Light", description="Angle between the light and the normal, in the plane of the scan's main period",
@@ -250,12 +253,12 @@ def plot_theta() -> FloatProperty:
     )  # fmt: skip
 
 
-def plot_order() -> IntProperty:
+def plot_order() -> Any:
     """Order of the reflectance plot."""
     return IntProperty(name="Order", description="Diffraction order in view; not 0", default=1, min=-8, max=8)
 
 
-def map_linear() -> BoolProperty:
+def map_linear() -> Any:
     """Numbers or a picture."""
     return BoolProperty(
         name="Values",
@@ -310,7 +313,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     limit_mb: limit_mb()
 
     implementation: EnumProperty(
-        name="Implementation", description="What renders the material", items=IMPLEMENTATION_ITEMS
+        name="Implementation", description="What renders the material", items=IMPLEMENTATION_ITEMS, default="AUTO"
     )
     fresnel: EnumProperty(name="Fresnel", description="How much the surface reflects", items=FRESNEL_ITEMS)
     ior: ior()
@@ -354,6 +357,15 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
 CLASSES = (*preset_properties.GROUPS.values(), DIFFRACTION_PG_presets, DIFFRACTION_PG_scene)
 
 
+def prepare() -> None:
+    """Before the classes are registered: the presets get their pictures."""
+    DIFFRACTION_PG_scene.__annotations__["preset"] = EnumProperty(
+        name="Preset",
+        description="A structure that needs no microscope",
+        items=preset_properties.pictured_items(),
+    )
+
+
 def register() -> None:
     """Attach the group to scenes."""
     bpy.types.Scene.diffraction = PointerProperty(type=DIFFRACTION_PG_scene)
@@ -362,3 +374,4 @@ def register() -> None:
 def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
+    preset_properties.drop_pictures()

@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import json
+import os
 import re
 import sys
 import warnings
@@ -22,6 +23,8 @@ from .errors import DiffractionError
 #: Exit codes: the input's fault, and stopped by the user (128 + SIGINT).
 EXIT_ERROR = 2
 EXIT_INTERRUPTED = 130
+#: Nobody reads on (128 + SIGPIPE), as for every program of a pipeline.
+EXIT_PIPE = 141
 
 
 class _Parser(argparse.ArgumentParser):
@@ -99,10 +102,27 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         print("Not enough memory; use a smaller scan, a smaller sigma_s or a coarser table.", file=sys.stderr)
         return EXIT_ERROR
+    notes = "".join(one_sentence(f"Note: {note}") + "\n" for note in result.get("notes", ()))
     if args.json:
-        print(json.dumps(result, allow_nan=False))
+        text = json.dumps(result, allow_nan=False)
     else:
-        print(args.describe(result) if args.describe else describe(result))
+        shown = {key: value for key, value in result.items() if key != "notes"}
+        text = args.describe(shown) if args.describe else describe(shown)
+    return _print(text, notes)
+
+
+def _print(text: str, notes: str) -> int:
+    """The result, notes on standard error; quietly over where the reader has left (``info FILE | head``)."""
+    stream = sys.stderr
+    try:
+        stream.write(notes)
+        stream.flush()
+        stream = sys.stdout
+        print(text, flush=True)
+    except BrokenPipeError:
+        # Python flushes the stream once more as it ends; what is left goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        return EXIT_PIPE
     return 0
 
 

@@ -22,11 +22,13 @@ vec3 fresnel_conductor(vec3 n, vec3 k, float cos_half)
 
 vec3 fresnel(float cos_half)
 {
-    if (df_surface.fresnel.x == FRESNEL_DIELECTRIC)
-        return vec3(fresnel_dielectric(df_surface.fresnel.y, cos_half));
-    if (df_surface.fresnel.x == FRESNEL_CONDUCTOR)
-        return fresnel_conductor(df_surface.conductor_n.rgb, df_surface.conductor_k.rgb, cos_half);
+#if defined(DIELECTRIC)
+    return vec3(fresnel_dielectric(df_surface.fresnel.y, cos_half));
+#elif defined(CONDUCTOR)
+    return fresnel_conductor(df_surface.conductor_n.rgb, df_surface.conductor_k.rgb, cos_half);
+#else
     return vec3(1.0);
+#endif
 }
 
 // A colour outside the gamut moves towards the grey of its luminance until no component is negative.
@@ -41,26 +43,27 @@ vec3 into_gamut(vec3 rgb, float luminance)
 }
 
 // From a transform in XYZ to f cos(theta_i) in the working space's RGB, R = 1. Multiplied by the cosine here because
-// 1 / cos_i then drops out.
-vec3 f_cos_of(vec3 transform_xyz, vec3 wi, vec3 wr, float albedo_r)
+// 1 / cos_i then drops out. mirror is 1 + wi.wr.
+vec3 f_cos_of(vec3 transform_xyz, vec3 wi, vec3 wr, float mirror, float albedo_r)
 {
-    float w_abs = wi.z + wr.z, mirror = 1.0 + dot(wi, wr);
+    float w_abs = wi.z + wr.z;
     float factor = mirror * mirror / (wr.z * w_abs * w_abs);
-    if (df_surface.fresnel.z > 0.5)
-        factor /= max(1.0, max(albedo_r, table_albedo(wi)));
+#ifdef CONSERVE
+    factor /= max(1.0, max(albedo_r, table_albedo(wi)));
+#endif
     vec3 xyz = factor * transform_xyz;
     vec3 rgb = vec3(dot(df_surface.to_red.xyz, xyz), dot(df_surface.to_green.xyz, xyz),
                     dot(df_surface.to_blue.xyz, xyz));
     return into_gamut(rgb, xyz.y);
 }
 
-vec3 diffraction_f_cos(vec3 wi, vec3 wr, float albedo_r)
+vec3 diffraction_f_cos(vec3 wi, vec3 wr, float mirror, float albedo_r)
 {
     vec2 uv = -(wi.xy + wr.xy);
     float w_abs = wi.z + wr.z;
 #ifdef METHOD_FLSS
-    return f_cos_of(flss_transform(uv, w_abs), wi, wr, albedo_r);
+    return f_cos_of(flss_transform(uv, w_abs), wi, wr, mirror, albedo_r);
 #else
-    return f_cos_of(table_transform(uv, w_abs), wi, wr, albedo_r);
+    return f_cos_of(table_transform(uv, w_abs), wi, wr, mirror, albedo_r);
 #endif
 }

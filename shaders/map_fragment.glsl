@@ -18,6 +18,9 @@ void main()
         out_colour = vec4(xyz, 1.0);
         return;
     }
-    float albedo_r = df_surface.fresnel.z > 0.5 ? table_albedo(wr) : 1.0;
-    out_colour = vec4(f_cos_of(xyz, wi, wr, albedo_r), 1.0);
+    float albedo_r = 1.0;
+#ifdef CONSERVE
+    albedo_r = table_albedo(wr);
+#endif
+    out_colour = vec4(f_cos_of(xyz, wi, wr, 1.0 + dot(wi, wr), albedo_r), 1.0);
 }

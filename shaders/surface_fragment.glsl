@@ -15,13 +15,13 @@ mat3 scan_frame(vec3 n)
     t = normalize(t);
     vec3 across = cross(n, t) * (world_tangent.w < 0.0 ? -1.0 : 1.0);
     float c = df_surface.rotation.x, s = df_surface.rotation.y;
-    if (df_surface.rotation.z > 0.5) {  // an image of angles, white is a whole turn
-        vec2 size = vec2(textureSize(df_angle, 0));
-        float turn = texelFetch(df_angle, ivec2(min(fract(world_uv) * size, size - 1.0)), 0).r;
-        float angle = TWO_PI * turn + df_surface.rotation.w;
-        c = cos(angle);
-        s = sin(angle);
-    }
+#ifdef TURNED  // an image of angles, white is a whole turn
+    vec2 size = vec2(textureSize(df_angle, 0));
+    float turn = texelFetch(df_angle, ivec2(min(fract(world_uv) * size, size - 1.0)), 0).r;
+    float angle = TWO_PI * turn + df_surface.rotation.w;
+    c = cos(angle);
+    s = sin(angle);
+#endif
     return mat3(c * t + s * across, c * across - s * t, n);
 }
 
@@ -29,45 +29,57 @@ void main()
 {
 #ifdef LOOSE_DEPTH
     // EEVEE's depth was seen through another point of the pixel: as far towards the viewer as the surface rises there.
-    gl_FragDepth = clamp(gl_FragCoord.z - df_frame.counts.w * fwidth(gl_FragCoord.z), 0.0, 1.0);
+    gl_FragDepth = clamp(gl_FragCoord.z - df_frame.ambient.w * fwidth(gl_FragCoord.z), 0.0, 1.0);
 #endif
     vec3 to_viewer = df_frame.viewer.w > 0.5 ? normalize(df_frame.viewer.xyz - world_place) : df_frame.viewer.xyz;
     vec3 n = normalize(world_normal);
+    float cos_r = dot(n, to_viewer);
+#ifdef REPLACE
     bool mirrored = dot(df_model[0].xyz, cross(df_model[1].xyz, df_model[2].xyz)) < 0.0;
     bool front = gl_FrontFacing != mirrored;
-    float cos_r = dot(n, to_viewer);
     bool diffracts = front && cos_r > 0.0;
-    bool replaces = df_surface.pigment.w > 0.5;
-    if (!diffracts && !replaces)
-        discard;
+#else  // back faces are culled; no discard, which would shade what the depth hides
+    bool diffracts = cos_r > 0.0;
+#endif
 
     vec3 light = vec3(0.0), pigment = vec3(0.0);
     mat3 frame = scan_frame(n);
     vec3 wr = to_viewer * frame;  // its components along t, b, n
-    float albedo_r = df_surface.fresnel.z > 0.5 && diffracts ? table_albedo(wr) : 1.0;
-    int lamps = int(df_frame.counts.x);
-    for (int i = 0; i < lamps; i++) {
+    float albedo_r = 1.0;
+#ifdef CONSERVE
+    albedo_r = table_albedo(wr);
+#endif
+    for (int i = 0; i < LAMPS; i++) {
         DiffractionLamp lamp = df_frame.lamps[i];
+#ifdef WIDE
         int points = lamp_points(lamp, world_place);
         for (int j = 0; j < points; j++) {
+#else
+        const int points = 1, j = 0;
+        {
+#endif
             vec3 wi;
             vec3 irradiance = lamp_light(lamp, world_place, j, points, wi);
             float cos_i = dot(wi, n);
-            if (replaces)
-                pigment += irradiance * max(front ? cos_i : -cos_i, 0.0);
-            if (!diffracts || cos_i <= 0.0 || irradiance.r + irradiance.g + irradiance.b <= 0.0)
-                continue;
-            vec3 f_cos = diffraction_f_cos(wi * frame, wr, albedo_r);
-            light += irradiance * f_cos * fresnel(sqrt(max(0.0, 0.5 * (1.0 + dot(wi, to_viewer)))));
+#ifdef REPLACE
+            pigment += irradiance * max(front ? cos_i : -cos_i, 0.0);
+#endif
+            if (cos_i > 0.0) {
+                float mirror = max(1.0 + dot(wi, to_viewer), 0.0);
+                light += irradiance * diffraction_f_cos(wi * frame, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
+            }
         }
     }
-    // A plain world, seen by a surface that sends it back from all over the hemisphere alike.
-    if (diffracts && df_surface.conductor_n.w > 0.5)
-        light += df_frame.ambient.rgb * min(table_albedo(wr), 1.0) * fresnel(cos_r);
-    light *= df_surface.fresnel.w;
-    if (replaces) {
-        pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);
-        light += (vec3(1.0) - fresnel(abs(cos_r))) * pigment;
-    }
+#ifdef AMBIENT  // a plain world, seen by a surface that sends it back from all over the hemisphere alike
+#ifndef CONSERVE
+    albedo_r = table_albedo(wr);
+#endif
+    light += df_frame.ambient.rgb * min(albedo_r, 1.0) * fresnel(cos_r);
+#endif
+    light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
+#ifdef REPLACE
+    pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);
+    light += (vec3(1.0) - fresnel(abs(cos_r))) * pigment;
+#endif
     out_colour = vec4(displayed(light), 1.0);
 }

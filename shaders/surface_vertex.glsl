@@ -11,7 +11,9 @@ void main()
     world_place = world.xyz;
     world_normal = hand * (cofactor * nor);
     world_tangent = vec4(linear * tan.xyz, hand * tan.w);
+#ifdef TURNED
     world_uv = uv;
+#endif
     vec4 view = df_frame.view * world;
     // The scene's own pass has computed the same depth by other steps: a hair towards the viewer, so that its rounding
     // does not hide us.

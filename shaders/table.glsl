@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Lookups of the spectral table, as docs/architecture.md describes it ("The spectral table"). Its slices are the layers
-// of df_table, its albedo tile is df_albedo; the numbers of its layout come in df_surface.
+// of df_table, its albedo is df_albedo; the numbers of its layout come in df_surface.
 
 #define PI 3.14159265358979
 #define TWO_PI 6.28318530717959
@@ -10,11 +10,17 @@ float arsinh(float x)  // x >= 0
     return log(x + sqrt(x * x + 1.0));
 }
 
-// Angle of a vector in turns, [0, 1]; a vector of length zero has the angle 0.
+// Angle of a vector in turns, [0, 1]; a vector of length zero has the angle 0. A minimax polynomial for the arc tangent,
+// wrong by less than 4e-7 turns: atan() itself is the dearest function here.
 float turns(vec2 d)
 {
-    float turn = dot(d, d) > 0.0 ? atan(d.y, d.x) * (1.0 / TWO_PI) : 0.0;
-    return turn < 0.0 ? turn + 1.0 : turn;
+    vec2 a = abs(d);
+    float m = min(a.x, a.y) / max(max(a.x, a.y), 1e-30), s = m * m;
+    float turn = m * (0.159151503 + s * (-0.052936484 + s * (0.030780405 + s * (-0.018467907 + s * (0.008312048
+                 - s * 0.001839807)))));
+    turn = a.y > a.x ? 0.25 - turn : turn;
+    turn = d.x < 0.0 ? 0.5 - turn : turn;
+    return d.y < 0.0 ? 1.0 - turn : turn;
 }
 
 // T(u, v, w) as XYZ in 1/sr; w_abs = |w| > 0.
@@ -28,13 +34,19 @@ vec3 table_transform(vec2 uv, float w_abs)
     vec2 at = vec2(column + 0.5, row + 1.5) * df_surface.texel.xy;
     vec3 below = textureLod(df_table, vec3(at, lower), 0.0).rgb;
     vec3 above = textureLod(df_table, vec3(at, lower + 1.0), 0.0).rgb;
+#ifdef LINEAR_IN_W
+    return mix(below, above, position - lower) * (df_surface.value.x * w_abs);
+#else
     return mix(below, above, position - lower) * (df_surface.value.x * pow(w_abs, df_surface.value.y));
+#endif
 }
 
-// Directional albedo a(theta, phi) of the raw model with R = 1, of a local direction above the surface.
+#if defined(CONSERVE) || defined(AMBIENT)
+// Directional albedo a(theta, phi) of the raw model with R = 1, of a local direction above the surface. df_albedo holds the
+// hemisphere in stereographic projection, so that the place costs no arc functions (data/textures.py).
 float table_albedo(vec3 direction)
 {
-    float column = acos(clamp(direction.z, 0.0, 1.0)) * (2.0 / PI) * df_surface.value.z;
-    float row = turns(direction.xy) * df_surface.value.w;
-    return textureLod(df_albedo, vec2(column + 0.5, row + 1.5) * df_surface.texel.zw, 0.0).r;
+    vec2 at = direction.xy / (1.0 + max(direction.z, 0.0));
+    return textureLod(df_albedo, at * df_surface.texel.z + 0.5, 0.0).r;
 }
+#endif

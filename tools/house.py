@@ -15,10 +15,10 @@ ROOT = Path(__file__).resolve().parents[1]
 FLOORS = {
     "precompute": (
         ("constants", "errors", "faces", "old_names"),
-        ("light", "files"),
+        ("light", "files", "stack"),
         ("parameters",),
         ("scan",),
-        ("readers", "presets", "table"),
+        ("readers", "presets", "table", "paint"),
         ("bake",),
         ("evaluate", "sweep"),
         ("commands",),
@@ -27,11 +27,11 @@ FLOORS = {
     ),
     "addon": (
         ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
-        ("gpu_context", "jobs", "pictures"),
+        ("gpu_context", "jobs", "pictures", "renderers"),
         ("tables", "lights"),
         ("materials",),
         ("viewport",),
-        ("preset_properties",),
+        ("assets", "preset_properties"),
         ("properties", "preferences"),
         ("operators",),
         ("panels",),

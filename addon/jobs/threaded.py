@@ -3,16 +3,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import bpy
 
 from ...precompute.errors import Cancelled, DiffractionError
 from . import progress
 from .job import Job
+from .wording import in_window
 
 
-def has_scan(cls: type, context: bpy.types.Context) -> bool:
+def has_scan(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether the scene has a scan; says on the button why not."""
     if not context.scene.diffraction.scan_path:
         cls.poll_message_set("Import a scan or use a preset first")
@@ -20,7 +21,13 @@ def has_scan(cls: type, context: bpy.types.Context) -> bool:
     return True
 
 
-class Threaded:
+if TYPE_CHECKING:
+    _Operator = bpy.types.Operator
+else:
+    _Operator = object
+
+
+class Threaded(_Operator):
     """Mixin of operators whose work is a list of jobs.
 
     An operator gives `title`, `jobs` and `finished`; panels and status bar show the progress.
@@ -111,17 +118,17 @@ class Threaded:
 
     def _fail(self, error):
         text = str(error) or "There is not enough memory for this; take a smaller scan or a smaller table."
-        self.report({"ERROR"}, text)
+        self.report({"ERROR"}, in_window(text))
         return {"CANCELLED"}
 
     def _show(self, context):
         done, count = len(self._results), len(self._jobs)
         job = self._jobs[done]
         text = f"{self.title}: {job.stage}" + (f" ({done + 1} of {count})" if count > 1 else "")
-        progress.show(text, (done + job.fraction) / count)
+        progress.show(text, (done + job.fraction) / count, getattr(type(self), "bl_idname", ""))
         if context.workspace is not None:
             context.workspace.status_text_set(_status)
-        redraw(context)
+        redraw_sidebars(context)
 
     def _close(self):
         for job in self._jobs:
@@ -148,6 +155,15 @@ def _status(header, context) -> None:
         bar.progress(factor=now.fraction, text=now.text)
 
 
+def redraw_sidebars(context: bpy.types.Context) -> None:
+    """Let the panels show how far a job is; the views beside them, which may be costly, stay as they are."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
+
+
 def redraw(context) -> None:
     """Let all panels and image editors show what changed."""
     for window in context.window_manager.windows:
@@ -156,7 +172,7 @@ def redraw(context) -> None:
                 area.tag_redraw()
 
 
-def busy(cls: type) -> bool:
+def busy(cls: type[bpy.types.Operator]) -> bool:
     """Whether another job runs; says so on the button."""
     if progress.running() is not None:
         cls.poll_message_set("A bake or another computation is running; Esc stops it")

@@ -16,7 +16,8 @@ Chain = tuple[bpy.types.Object, ...]
 
 def offset(instancer: bpy.types.Object) -> Vector:
     """What an instance is moved by before its empty's matrix applies."""
-    return -Vector(instancer.instance_collection.instance_offset)
+    collection = instancer.instance_collection
+    return -Vector(collection.instance_offset if collection is not None else (0.0, 0.0, 0.0))
 
 
 def world(chain: Chain, ob: bpy.types.Object) -> Matrix:
@@ -35,7 +36,7 @@ def frame_name(chain: Chain) -> str:
 
 def frames(scene: bpy.types.Scene, chain: Chain) -> dict[str, tuple[Entry, ...]]:
     """Entries of the properties that a chain needs: none for one empty, whose own matrix serves."""
-    found = {}
+    found: dict[str, tuple[Entry, ...]] = {}
     for length in range(2, len(chain) + 1):
         above, empty = chain[: length - 1], chain[length - 1]
         rows = [column_of(scene, above, empty, column) for column in range(4)]
@@ -45,7 +46,7 @@ def frames(scene: bpy.types.Scene, chain: Chain) -> dict[str, tuple[Entry, ...]]
 
 def column_of(
     scene: bpy.types.Scene, chain: Chain, ob: bpy.types.Object, column: int, half: Variable | None = None
-) -> tuple[Drive, Drive, Drive]:
+) -> tuple[Drive, ...]:
     """A column of an object's world matrix, within a chain of empties or free.
 
     Parameters

@@ -98,6 +98,10 @@ class InstancedLamp:
         return InstancedLamp(self.lamp.evaluated_get(depsgraph), chain)
 
 
+#: What `lamp_objects` gives.
+LampObject = bpy.types.Object | InstancedLamp
+
+
 def lamp_kind(light: bpy.types.Light) -> str:
     """The kind of a light's data."""
     if light.type == "AREA":
@@ -130,14 +134,15 @@ def is_portal(light: bpy.types.Light) -> bool:
 
 def with_sets(scene: bpy.types.Scene) -> Iterator[bpy.types.Scene]:
     """A scene and those that it shows behind itself."""
-    seen = set()
-    while scene is not None and scene not in seen:
-        seen.add(scene)
-        yield scene
-        scene = scene.background_set
+    seen: set[bpy.types.Scene] = set()
+    each: bpy.types.Scene | None = scene
+    while each is not None and each not in seen:
+        seen.add(each)
+        yield each
+        each = each.background_set
 
 
-def lamp_objects(scene: bpy.types.Scene) -> list[bpy.types.Object | InstancedLamp]:
+def lamp_objects(scene: bpy.types.Scene) -> list[LampObject]:
     """The lamps that may light a render of the scene, in a stable order (by name, local before linked).
 
     Those of its set scenes count, and those in collections that empties show, at any depth.
@@ -146,17 +151,17 @@ def lamp_objects(scene: bpy.types.Scene) -> list[bpy.types.Object | InstancedLam
     return sorted(lamps, key=lambda lamp: (lamp.library is not None, lamp.name_full))
 
 
-def switched_off(scene: bpy.types.Scene) -> list[bpy.types.Object | InstancedLamp]:
+def switched_off(scene: bpy.types.Scene) -> list[LampObject]:
     """Lamps that do not show in renders now: a script may switch them on, so they get slots that are left."""
     lamps = [lamp for lamp in _all(scene) if not _in_render(lamp)]
     return sorted(lamps, key=lambda lamp: (lamp.library is not None, lamp.name_full))
 
 
-def _in_render(lamp: bpy.types.Object | InstancedLamp) -> bool:
+def _in_render(lamp: LampObject) -> bool:
     return all(shows(ob) for ob in (*getattr(lamp, "chain", ()), getattr(lamp, "lamp", lamp)))
 
 
-def _all(scene: bpy.types.Scene) -> Iterator[bpy.types.Object | InstancedLamp]:
+def _all(scene: bpy.types.Scene) -> Iterator[LampObject]:
     objects = {}
     for each in with_sets(scene):
         for layer in each.view_layers:
@@ -188,7 +193,7 @@ def scene_lamps(depsgraph: bpy.types.Depsgraph) -> list[Lamp]:
     return [describe(lamp.evaluated_get(depsgraph)) for lamp in lamp_objects(scene)[:SLOTS]]
 
 
-def describe(lamp: bpy.types.Object | InstancedLamp) -> Lamp:
+def describe(lamp: LampObject) -> Lamp:
     """An evaluated lamp with its light."""
     light, world = lamp.data, lamp.matrix_world
     size = [getattr(light, path) for path in _size_paths(light)] + [0.0]
@@ -212,9 +217,10 @@ def describe(lamp: bpy.types.Object | InstancedLamp) -> Lamp:
     )
 
 
-def source(scene: bpy.types.Scene, lamp: bpy.types.Object | InstancedLamp) -> Source:
+def source(scene: bpy.types.Scene, lamp: LampObject) -> Source:
     """A lamp as an entry of the scene's list."""
-    chain, ob, light = getattr(lamp, "chain", ()), getattr(lamp, "lamp", lamp), lamp.data
+    chain, light = getattr(lamp, "chain", ()), lamp.data
+    ob = lamp.lamp if isinstance(lamp, InstancedLamp) else lamp
     kind, uneven = lamp_kind(light), is_uneven(light)
     sizes = [Variable("s", light, path) for path in _size_paths(light)]
     place = chains.column_of(scene, chain, ob, 2 if kind == "SUN" else 3)
@@ -239,7 +245,7 @@ def source(scene: bpy.types.Scene, lamp: bpy.types.Object | InstancedLamp) -> So
 
 def is_uneven(light: bpy.types.Light) -> bool:
     """Whether a light's nodes make it shine unevenly: anything linked to colour or strength may."""
-    tree = light.node_tree if getattr(light, "use_nodes", False) else None
+    tree = light.node_tree if bpy.app.version >= (5, 0) or light.use_nodes else None
     if tree is None:
         return False
     output = tree.get_output_node("ALL") if hasattr(tree, "get_output_node") else None
@@ -250,7 +256,7 @@ def is_uneven(light: bpy.types.Light) -> bool:
     return node.bl_idname != "ShaderNodeEmission" or any(socket.links for socket in node.inputs)
 
 
-def irradiance(lamp: bpy.types.Object | InstancedLamp, point) -> float:
+def irradiance(lamp: LampObject, point) -> float:
     """About what a lamp sheds on a place, W/m^2 (luminance of its colour, shadows left out)."""
     seen = describe(lamp)
     power = seen.energy * (0.2126 * seen.colour[0] + 0.7152 * seen.colour[1] + 0.0722 * seen.colour[2])

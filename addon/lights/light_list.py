@@ -83,7 +83,9 @@ def write(scene: bpy.types.Scene, sources: Sequence[Source]) -> bool:
             changed = True
         elif source.is_written:
             for part, name in enumerate(names):
-                changed |= _set(scene, name, [float(x) for x in source.entries[4 * part : 4 * part + 4]])
+                changed |= _set(
+                    scene, name, [x for x in source.entries[4 * part : 4 * part + 4] if not isinstance(x, Drive)]
+                )
     for name in [n for n in list(scene.keys()) if n.startswith(_FRAME) and n not in frames]:
         _undrive(scene, name)
         del scene[name]

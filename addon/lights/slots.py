@@ -36,4 +36,5 @@ PARTS = ("", "_u", "_v")
 
 def names(slot: int) -> tuple[str, str, str]:
     """The three properties of a lamp, counted from 1."""
-    return tuple(f"diffraction_lamp_{slot:02d}{part}" for part in PARTS)
+    place, u, v = (f"diffraction_lamp_{slot:02d}{part}" for part in PARTS)
+    return place, u, v

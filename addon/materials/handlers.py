@@ -7,6 +7,8 @@ the file has no material of ours.
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.app.handlers import persistent
 from mathutils import Vector
@@ -63,11 +65,11 @@ def _say(scene: bpy.types.Scene, text: str) -> None:
 
 def _places(scene: bpy.types.Scene) -> list[Vector]:
     """Middles of the objects with a material of ours."""
-    found = []
+    found: list[Any] = []
     for ob in scene.objects:
         if any(slot.material is not None and material.is_ours(slot.material) for slot in ob.material_slots):
-            corners = [ob.matrix_world @ Vector(corner) for corner in ob.bound_box]
-            found.append(sum(corners, Vector()) / len(corners))
+            low, high = Vector(ob.bound_box[0]), Vector(ob.bound_box[6])
+            found.append(ob.matrix_world @ (0.5 * (low + high)))
     return found
 
 

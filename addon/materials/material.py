@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any, TypeGuard
 
 import bpy
 
@@ -71,7 +72,7 @@ class Settings:
     environment: int = 1
 
 
-def is_ours(material: bpy.types.Material | None) -> bool:
+def is_ours(material: bpy.types.Material | None) -> TypeGuard[bpy.types.Material]:
     """Whether a material renders a table."""
     return material is not None and group.owner(material) is not None
 
@@ -81,7 +82,7 @@ def any_ours() -> bool:
     return any(keys.TABLE in tree for tree in bpy.data.node_groups) or any(keys.TABLE in m for m in bpy.data.materials)
 
 
-def shader_node(material: bpy.types.Material) -> bpy.types.Node | None:
+def shader_node(material: bpy.types.Material) -> Any:
     """The node of a material that holds the sockets of the diffraction."""
     node = group.find(material.node_tree)
     if node is None and keys.TABLE in material and material.node_tree is not None:
@@ -271,9 +272,9 @@ def _surface_output(tree: bpy.types.NodeTree, target: str) -> bpy.types.Node:
     return output if output is not None else tree.nodes.new("ShaderNodeOutputMaterial")
 
 
-def _connect(node: bpy.types.Node, settings: Settings) -> None:
+def _connect(node: Any, settings: Settings) -> None:
     """Put the node between a shader that is there and the output; one that is in use stays where it is."""
-    tree = node.id_data
+    tree: Any = node.id_data
     if not node.outputs["BSDF"].links:
         output = _surface_output(tree, "CYCLES")
         surface = output.inputs["Surface"]
@@ -337,6 +338,6 @@ def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) 
         tree.links.new(angle, node.inputs["Rotation"])
 
 
-def needs_handedness(node: bpy.types.Node) -> bool:
+def needs_handedness(node: Any) -> bool:
     """Whether a node takes a direction and the sign of mirrored UV maps, rather than two vectors of normal maps."""
     return node.node_tree[keys.IMPLEMENTATION] == "OSL" and tells_mirrored_uv()

@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import bpy
 
 Socket = bpy.types.NodeSocket
 
 #: A socket, or a constant that goes into the socket it is given to.
-Value = "Socket | float | tuple[float, float, float]"
+Value = Socket | float | tuple[float, float, float]
 
 
 class Graph:
@@ -47,7 +49,7 @@ class Graph:
         """A Math node."""
         node = self.add("ShaderNodeMath", operation=operation)
         for socket, value in zip(node.inputs, values, strict=False):
-            self.put(socket, value if isinstance(value, bpy.types.NodeSocket) else float(value))
+            self.put(socket, float(value) if isinstance(value, (int, float)) else value)
         return node.outputs[0]
 
     def sum(self, a: Value, b: Value) -> Socket:
@@ -58,11 +60,12 @@ class Graph:
         """a - b."""
         return self.math("SUBTRACT", a, b)
 
-    def product(self, a: Value, *others: Value) -> Socket:
+    def product(self, a: Value, b: Value, *others: Value) -> Socket:
         """a b c ..."""
+        made = self.math("MULTIPLY", a, b)
         for other in others:
-            a = self.math("MULTIPLY", a, other)
-        return a
+            made = self.math("MULTIPLY", made, other)
+        return made
 
     def quotient(self, a: Value, b: Value) -> Socket:
         """a / b, 0 where b is 0."""
@@ -101,7 +104,8 @@ class Graph:
         """Components of a vector."""
         node = self.add("ShaderNodeSeparateXYZ")
         self.put(node.inputs[0], vector)
-        return tuple(node.outputs)
+        x, y, z = node.outputs
+        return x, y, z
 
     def join(self, x: Value, y: Value, z: Value) -> Socket:
         """A vector of components."""
@@ -142,7 +146,7 @@ def new_group(name: str) -> bpy.types.NodeTree:
     return tree
 
 
-def interface(tree: bpy.types.NodeTree, inputs: dict[str, tuple[str, object]], outputs: dict[str, str]) -> None:
+def interface(tree: bpy.types.NodeTree, inputs: Mapping[str, tuple[str, object]], outputs: dict[str, str]) -> None:
     """Make a group's sockets exactly these; those that stay keep their values where the group is used.
 
     Parameters

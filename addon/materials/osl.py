@@ -38,6 +38,7 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
         Cosine above which no albedo passes 1 (`importance.albedo_free_cosine`); 2 looks up every one.
     """
     numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
+    numbers["TABLE_ALBEDO_Y"] = layout.conserving_y
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
     numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
     numbers["LAMPS_MAX"] = LAMPS_MAX

@@ -57,7 +57,7 @@ def give_back_importance_sampling() -> list[str]:
             linked += [light.name] if was_off else []
             continue
         before_value = before.pop("mis")
-        if was_off:
+        if settings is not None and was_off:
             settings.use_multiple_importance_sampling = before_value
             own.append(light.name)
         if before:

@@ -89,7 +89,7 @@ def sync(known: bpy.types.ID, folder: Path | None = None) -> bool:
         Write paths as seen from here (the .blend is about to be saved there); None takes what can be read now.
     """
     linked = known.library is not None
-    tree = known.node_tree if isinstance(known, bpy.types.Material) else known
+    tree: Any = known.node_tree if isinstance(known, bpy.types.Material) else known
     if tree is None or (linked and folder is not None):
         return False
     node = group.script_of(tree)
@@ -131,6 +131,7 @@ def _unpack(image: bpy.types.Image) -> Path:
     """A packed image as a file, with the sidecar that its header carries."""
     from ...precompute.files.exr import read_text
 
+    assert image.packed_file is not None  # of what else would it be a file
     content = image.packed_file.data
     target = unpacked_place(image)
     if not target.is_file() or hashlib.sha256(target.read_bytes()).digest() != hashlib.sha256(content).digest():

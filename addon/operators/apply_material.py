@@ -3,11 +3,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
-from .. import paths, properties
+from .. import paths, properties, renderers
 from ..given import take
 from ..lights import gather
 from ..materials import handlers, material, setup
@@ -27,6 +31,16 @@ _FROM_PANEL = (
 )
 
 
+#: Kinds of data that a material is made of.
+_KINDS = ("materials", "texts", "images", "node_groups")
+
+#: Of a Blender that cannot.
+NO_OSL = (
+    "This Blender was built without Open Shading Language: set Implementation to Nodes or Automatic, or take a Blender"
+    " from blender.org."
+)
+
+
 class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     """Make the selected objects diffract; a material they have stays underneath as pigment"""
 
@@ -35,7 +49,10 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     implementation: EnumProperty(
-        name="Implementation", description="What renders the material", items=properties.IMPLEMENTATION_ITEMS
+        name="Implementation",
+        description="What renders the material",
+        items=properties.IMPLEMENTATION_ITEMS,
+        default="AUTO",
     )
     fresnel: EnumProperty(
         name="Fresnel",
@@ -57,6 +74,11 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         name="Environment", description="Random mirrors a sample for world, emitters and bounce light; 0: lamps only",
         default=1, min=0, max=8,
     )  # fmt: skip
+    own_copy: BoolProperty(
+        name="Own Copy",
+        description="Leave a diffraction material that other objects share as it is, and change a copy of it",
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
@@ -70,37 +92,40 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
 
     def execute(self, context):
         take(self, context.scene.diffraction, _FROM_PANEL)
-        settings = material.Settings(
-            implementation=self.implementation,
-            fresnel=self.fresnel,
-            ior=self.ior,
-            conserve_energy=self.conserve_energy,
-            orientation=self.orientation,
-            uv_map=self.uv_map,
-            attribute=self.attribute,
-            angle_image=self.angle_image,
-            rotation=self.rotation,
-            environment=self.environment,
-        )
+        implementation, why = self.implementation, ""
+        if implementation == "AUTO":
+            implementation, why = renderers.choose(context.scene)
+        elif implementation == "OSL" and not renderers.has_osl():
+            self.report({"ERROR"}, NO_OSL)
+            return {"CANCELLED"}
+        settings = settings_from(self, implementation)
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
         setup.take_up(context.scene)
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
         try:
-            made = {}
-            for ob in context.selected_objects:
-                if _takes_material(ob):
-                    _give(ob, table, settings, made)
+            targets = [ob for ob in context.selected_objects if _takes_material(ob)]
+            shared = _shared(targets)
+            copied = shared if self.own_copy else {}
+            made = _make(targets, copied, table.stem, lambda new: material.apply(new, table, settings))
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         finally:
             manager.progress_end()
+        for ob in targets:
+            _give(ob, made[ob.active_material])
         handlers.update_all()
         found = handlers.search(context.scene)
-        notes = setup.prepare_scene(context.scene, self.implementation == "OSL")
-        self.report({"INFO"}, ". ".join([f"{len(made)} material{'s' * (len(made) != 1)} set up", *notes]))
+        notes = setup.prepare_scene(context.scene, implementation == "OSL")
+        name = {"OSL": "OSL", "NODES": "Nodes"}[implementation]
+        chosen = f"{len(made)} material{'s' * (len(made) != 1)} set up with {name}" + (
+            f", because {why}" if why else ""
+        )
+        self.report({"INFO"}, ". ".join([chosen, *notes]))
+        for each, others in shared.items() if not self.own_copy else ():
+            self.report({"WARNING"}, _changed_too(each, others))
         if not found.chosen and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
         for sentence in limits():
@@ -110,31 +135,102 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def settings_from(owner: Any, implementation: str) -> material.Settings:
+    """The artist's choice, as an operator or the scene's group holds it.
+
+    Parameters
+    ----------
+    owner
+        Of the properties.
+    implementation
+        ``OSL`` or ``NODES``: what *Automatic* stood for.
+    """
+    return material.Settings(
+        implementation=implementation,
+        fresnel=owner.fresnel,
+        ior=owner.ior,
+        conserve_energy=owner.conserve_energy,
+        orientation=owner.orientation,
+        uv_map=owner.uv_map,
+        attribute=owner.attribute,
+        angle_image=owner.angle_image,
+        rotation=owner.rotation,
+        environment=owner.environment,
+    )
+
+
+def set_up(scene: bpy.types.Scene, shown: bpy.types.Material, table: Path, settings: material.Settings) -> list[str]:
+    """Let one material show a table, and the scene have what that needs; what was changed, for people.
+
+    Raises
+    ------
+    DiffractionError
+        If the table cannot be used.
+    """
+    material.apply(shown, table, settings)
+    handlers.update_all()
+    return setup.prepare_scene(scene, settings.implementation == "OSL")
+
+
 def _takes_material(ob: bpy.types.Object) -> bool:
     return ob.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"} and ob.is_editable and ob.data.is_editable
 
 
-def _give(ob, table, settings, made) -> None:
-    """Set an object's active material up; objects that shared one share the new one."""
-    old = ob.active_material
-    if old not in made:
-        if material.is_ours(old) and old.is_editable:
-            new = old
-        elif old is not None:
-            new = old.copy()
-            new.name = f"{old.name} diffraction"
-        else:
-            new = bpy.data.materials.new(f"Diffraction {table.stem}")
-            give_nodes(new).nodes.clear()
-        made[old] = material.apply(new, table, settings)
+def _shared(targets: list[bpy.types.Object]) -> dict[bpy.types.Material, list[bpy.types.Object]]:
+    """Materials of ours that will change in place, with the objects beside the selected ones that show them."""
+    found = {}
+    for each in {ob.active_material for ob in targets}:
+        if material.is_ours(each) and each.is_editable:
+            data = {ob.data for ob in targets}
+            others = [
+                ob for ob in bpy.data.objects
+                if ob not in targets and ob.data not in data and any(s.material == each for s in ob.material_slots)
+            ]  # fmt: skip
+            if others:
+                found[each] = others
+    return found
+
+
+def _changed_too(each: bpy.types.Material, others: list[bpy.types.Object]) -> str:
+    names = others[0].name if len(others) == 1 else f"{others[0].name} and {len(others) - 1} more"
+    return f"{names} share{'s' * (len(others) == 1)} {each.name} and changed too; Own Copy below keeps them apart"
+
+
+def _make(
+    targets: list[bpy.types.Object],
+    copied: dict[bpy.types.Material, list[bpy.types.Object]],
+    stem: str,
+    apply: Callable[[bpy.types.Material], bpy.types.Material],
+) -> dict[bpy.types.Material | None, bpy.types.Material]:
+    """New materials by old ones: objects that shared one share the new one. Where it fails nothing is left behind."""
+    before = {kind: set(getattr(bpy.data, kind)) for kind in _KINDS}
+    made = {}
+    try:
+        for old in dict.fromkeys(ob.active_material for ob in targets):
+            if material.is_ours(old) and old.is_editable and old not in copied:
+                new = old
+            elif old is not None:
+                new = old.copy()
+                new.name = old.name if material.is_ours(old) else f"{old.name} diffraction"
+            else:
+                new = bpy.data.materials.new(f"Diffraction {stem}")
+                give_nodes(new).nodes.clear()
+            made[old] = apply(new)
+    except Exception:
+        bpy.data.batch_remove([each for kind in _KINDS for each in set(getattr(bpy.data, kind)) - before[kind]])
+        raise
+    return made
+
+
+def _give(ob: bpy.types.Object, new: bpy.types.Material) -> None:
     if ob.material_slots:
-        ob.active_material = made[old]
+        ob.active_material = new
     else:
-        ob.data.materials.append(made[old])
+        ob.data.materials.append(new)
 
 
 class DIFFRACTION_OT_restore_settings(bpy.types.Operator):
-    """Give back the settings of scene and materials that Apply changed; diffraction then renders wrongly"""
+    """Give back the settings of scene, lamps and materials that Apply changed; diffraction then renders wrongly"""
 
     bl_idname = "diffraction.restore_settings"
     bl_label = "Restore Settings"

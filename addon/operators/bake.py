@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
@@ -15,6 +17,7 @@ from ..preferences import bake_device, table_cache
 from ..tables import bake_settings, estimates, light_file, recipe, scan_store
 from ..tables.bake_job import BakeJob
 from ..tables.gpu.device import ITEMS
+from ..tables.table_state import texture_bytes
 
 
 class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
@@ -76,15 +79,16 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         bake_settings.copy(self, state)
         state.table_path = paths.relative(result.path)
         state.table_recipe = recipe.make(state)
-        estimates.learn(context.scene, result.seconds["total"])
+        if result.cache != "hit":  # a table from the cache says nothing of the machine's speed
+            estimates.learn(context.scene, result.seconds["total"])
         try:
             refresh.refresh(result.path, state.table_recipe)
         except DiffractionError as error:
             self.report({"WARNING"}, str(error))
-        megabytes = result.table.layout.texel_bytes / 1e6
+        megabytes = texture_bytes(result.table.layout.texel_bytes) / 1e6
         terms, seconds = result.table.info["terms"], result.seconds["total"]
-        by = "" if result.cache == "hit" else f" ({self._jobs[0].device})"
-        return f"Baked {result.path.name}: {megabytes:.0f} MB, {terms} terms, {seconds:.1f} s{by}"
+        by = "" if result.cache == "hit" else f" ({cast(BakeJob, self._jobs[0]).device})"
+        return f"Baked {result.path.name}: {megabytes:.0f} MB of texture, {terms} terms, {seconds:.1f} s{by}"
 
 
 CLASSES = (DIFFRACTION_OT_bake,)

@@ -60,7 +60,7 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
         return f"The image '{name}' shows the map; open it in an image editor"
 
 
-def has_table(cls: type, context: bpy.types.Context) -> bool:
+def has_table(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
     """Whether the scene has a table that can be read; says on the button why not."""
     path = context.scene.diffraction.table_path
     if not path:

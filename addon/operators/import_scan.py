@@ -70,6 +70,11 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
     channel: StringProperty(
         name="Channel", description="Name or number of the channel; empty finds the heights", options={"SKIP_SAVE"}
     )
+    trust_units: BoolProperty(
+        name="Trust Units",
+        description="Take sides above 10 mm and heights above 1 mm from the file, which are refused otherwise",
+        options={"SKIP_SAVE"},
+    )
     flip_x: BoolProperty(name="Flip X", description="Exchange left and right", options={"SKIP_SAVE"})
     flip_y: BoolProperty(name="Flip Y", description="Exchange bottom and top", options={"SKIP_SAVE"})
     turn: EnumProperty(
@@ -102,12 +107,15 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
 
     def jobs(self, context):
         """Read and store."""
-        size_m = tuple(decimal(size) * 1e-6 for size in self.size_um) if any(self.size_um) else None
+        width, height = (decimal(size) * 1e-6 for size in self.size_um)
+        size_m = (width, height) if any(self.size_um) else None
         height_m = decimal(self.height_nm) * 1e-9 if self.height_nm else None
         placement = scan_store.Placement(self.flip_x, self.flip_y, int(self.turn))
         path, folder = Path(bpy.path.abspath(self.filepath)), paths.data_folder()
-        channel = self.channel or None
-        return [Job(lambda done: scan_store.import_scan(folder, path, size_m, height_m, channel, placement, done))]
+        channel, trusted = self.channel or None, self.trust_units
+        return [
+            Job(lambda done: scan_store.import_scan(folder, path, size_m, height_m, channel, placement, done, trusted))
+        ]
 
 
 class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
@@ -141,7 +149,12 @@ class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
         size_m = tuple(before["size_m"]) if "size_m" in before else None
         path, folder, channel = Path(before["path"]), paths.data_folder(), self.channel
         # A height range belongs to one channel only.
-        return [Job(lambda done: scan_store.import_scan(folder, path, size_m, None, channel, progress=done))]
+        trusted = bool(before.get("trust_units"))
+
+        def take(done) -> scan_store.Stored:
+            return scan_store.import_scan(folder, path, size_m, None, channel, progress=done, trusted=trusted)
+
+        return [Job(take)]
 
 
 class DIFFRACTION_OT_use_stored_scan(_Takes, bpy.types.Operator):

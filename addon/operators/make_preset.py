@@ -4,15 +4,15 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import EnumProperty
+from bpy.props import BoolProperty, EnumProperty
 
-from ...precompute.presets import PRESETS, make_preset
+from ...precompute.presets import PRESETS, look_of, make_preset
 from .. import paths, preset_properties, properties
-from ..given import take
+from ..given import is_given, take
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
-from ..tables import scan_store
+from ..tables import bake_settings, scan_store
 
 
 class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
@@ -28,6 +28,11 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
     )
     size_um: properties.preset_size()
     pixels: properties.preset_pixels()
+    look: BoolProperty(
+        name="Look",
+        description="Also set what suits the structure: orientation, Fresnel, levelling, ensemble, coherence",
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
@@ -36,8 +41,14 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
-        for name in ("preset", *(p.name for p in PRESETS[self.preset].parameters), "size_um", "pixels"):
+        for name in ("preset", *(p.name for p in PRESETS[self.preset].parameters), "size_um", "pixels", "look"):
             layout.prop(self, name)
+
+    def invoke(self, context, event):
+        """By a button or the search a person chooses a look; scripts say ``look=True``."""
+        if not is_given(self, "look"):
+            self.look = True
+        return Threaded.invoke(self, context, event)
 
     def jobs(self, context):
         """Make and store."""
@@ -62,7 +73,17 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
         (scan,) = results
         scan_store.adopt(context.scene, scan)
         context.scene.diffraction.preset = self.preset
+        if self.look:
+            _set_look(context.scene.diffraction, self.preset)
         return f"{PRESETS[self.preset].label}: {scan.info}"
+
+
+def _set_look(state: bpy.types.PropertyGroup, name: str) -> None:
+    """What suits a preset; no step of the levelling that was meant for an earlier scan stays."""
+    for each in bake_settings.LEVELLING:
+        state.property_unset(each)
+    for key, value in look_of(name).settings().items():
+        setattr(state, key, value)
 
 
 DIFFRACTION_OT_make_preset.__annotations__.update(preset_properties.all_parameters())

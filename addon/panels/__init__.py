@@ -5,6 +5,18 @@
 `viewport`), Evaluate 6. A new sub-panel names its stage as `bl_parent_id` and joins the module's `CLASSES`.
 """
 
-from . import bake, evaluate, levelling, material, scan, sidebar
+from . import bake, entrances, evaluate, levelling, material, scan, sidebar
 
-CLASSES = tuple(cls for module in (sidebar, scan, levelling, bake, material, evaluate) for cls in module.CLASSES)
+CLASSES = tuple(
+    cls for module in (sidebar, scan, levelling, bake, material, evaluate, entrances) for cls in module.CLASSES
+)
+
+
+def register() -> None:
+    """What hangs on Blender's own menus."""
+    entrances.register()
+
+
+def unregister() -> None:
+    """Take it off."""
+    entrances.unregister()

@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 import re
+from typing import Any
 
 import bpy
 
-from .. import paths
+from .. import paths, renderers
 from ..materials import material, scale, setup, travel
+from ..operators import fit
 from ..operators.files import farm_copies, is_fresh, tables
 from ..tables.table_state import READY, table_state
 from .bake import scene_table
-from .sidebar import Sidebar, Stage, file_name, megabytes, note, split
+from .sidebar import Sidebar, Stage, button, file_name, megabytes, note, number, split
 
 
 class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
@@ -24,7 +26,11 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
     def draw(self, context):
         layout, state = split(self.layout), context.scene.diffraction
         layout.prop(state, "implementation")
-        if state.implementation == "NODES":
+        implementation = state.implementation
+        if implementation == "AUTO":
+            implementation, why = renderers.choose(context.scene, background=False)
+            note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {why}")
+        if implementation == "NODES":
             note(layout, "Lamps by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
@@ -39,11 +45,27 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
             layout.prop_search(state, "angle_image", bpy.data, "images")
         layout.prop(state, "rotation")
         layout.prop(state, "conserve_energy")
-        if state.implementation == "OSL":
-            layout.prop(state, "environment")
+        if implementation == "OSL":
+            number(layout, state, "environment", "off")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
+        if fit.misfits(context.scene):
+            note(layout, fit.why(context.scene), "ERROR")
+            layout.operator("diffraction.fit_renderer", icon="MODIFIER")
         for text in _scale(context):
             note(layout, text, "ERROR")
+
+
+class DIFFRACTION_PT_assets(Sidebar, bpy.types.Panel):
+    """Ready materials for the asset browser"""
+
+    bl_label = "Asset Library"
+    bl_parent_id = "DIFFRACTION_PT_material"
+    bl_options = {"DEFAULT_CLOSED"}
+    bl_order = 9
+
+    def draw(self, context: bpy.types.Context) -> None:
+        note(self.layout, "Snakes, discs, gratings and foils as ready materials with pictures; some minutes of work")
+        button(self.layout, "diffraction.make_asset_library", icon="ASSET_MANAGER")
 
 
 class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
@@ -57,29 +79,62 @@ class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
         active = _active(context)
         return material.is_ours(active) and material.shader_node(active) is not None
 
-    def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        active = _active(context)
-        node = material.shader_node(active)
-        found = table_state(material.table_path(active))
-        layout.label(text=active.name, icon="MATERIAL")
+    def draw(self, context: bpy.types.Context) -> None:
+        draw_active(self.layout, _active(context))
+
+
+def draw_active(layout: bpy.types.UILayout, active: bpy.types.Material) -> None:
+    """What can be turned at a material of ours, and what is wrong with it."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    node = material.shader_node(active)
+    found = table_state(material.table_path(active))
+    row = layout.row(align=True)
+    row.label(text=active.name, icon="MATERIAL")
+    row.operator("diffraction.use_material_scan", text="", icon="GREASEPENCIL")
+    if found.kind == READY:
+        packed = ", packed" if travel.is_packed(active) else ""
+        note(layout, f"{travel.home(active).stem}: {found.summary}{packed}", "TEXTURE")
+    else:
+        note(layout, found.text, "ERROR")
+        layout.operator("diffraction.rebake", icon="FILE_REFRESH").scope = "ACTIVE"
+    if not active.is_editable:
+        note(layout, "This material is linked from another file. Make it local to change it")
+        layout.operator("diffraction.make_local", icon="LINKED")
+        return
+    if active.users - active.use_fake_user > 1 and bpy.context.scene.diffraction.table_path:
         row = layout.row()
-        if found.kind == READY:
-            packed = ", packed" if travel.is_packed(active) else ""
-            row.label(text=f"{travel.home(active).stem}: {found.summary}{packed}", icon="TEXTURE")
-        else:
-            row.label(text=travel.home(active).stem, icon="ERROR")
-            note(layout, found.text, "BLANK1")
-            layout.operator("diffraction.rebake", icon="FILE_REFRESH").scope = "ACTIVE"
-        row.operator("diffraction.use_material_scan", text="", icon="GREASEPENCIL")
-        if not active.is_editable:
-            note(layout, "This material is linked. Make it local to change it")
+        row.label(text=f"Shown by {active.users - active.use_fake_user} objects")
+        row.operator("diffraction.apply_material", text="Own Copy", icon="DUPLICATE").own_copy = True
+    for name in material.LIVE_SOCKETS:
+        socket = node.inputs.get(name)
+        if socket is not None and not socket.is_linked:
+            layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
+
+
+class DIFFRACTION_PT_material_tab(bpy.types.Panel):
+    """Diffraction of the material that the properties editor shows"""
+
+    bl_label = "Diffraction"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "material"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context: bpy.types.Context) -> bool:
+        return context.object is not None and context.object.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, active = self.layout, getattr(context, "material", None)
+        if material.is_ours(active) and material.shader_node(active) is not None:
+            draw_active(layout, active)
             return
-        for name in material.LIVE_SOCKETS:
-            socket = node.inputs.get(name)
-            if socket is not None and not socket.is_linked:
-                layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
+        if context.scene.diffraction.table_path:
+            note(layout, f"Shows the table {file_name(context.scene.diffraction.table_path)}")
+            layout.operator("diffraction.apply_material", text="Add Diffraction", icon="MATERIAL")
+        else:
+            note(layout, "Scan, preset and bake are in the 3-D view's sidebar (key N), tab Diffraction")
 
 
 class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
@@ -102,9 +157,9 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             broken |= not ready
             outside |= ready and users[0].is_editable and place.parent != paths.data_folder()
             linked |= any(not is_fresh(here, there) for each in users for there, here in farm_copies(each).items())
-            row = layout.row()
-            row.label(text=f"{file_name(place.name)} ({len(users)})", icon="TEXTURE" if ready else "ERROR")
-            row.label(text=megabytes(found.texture_bytes) if ready else found.kind.title())
+            size = megabytes(found.texture_bytes) if ready else found.kind.title()
+            count = f"{len(users)} material{'s' * (len(users) != 1)}"
+            note(layout, f"{file_name(place.name)}: {size}, {count}", "TEXTURE" if ready else "ERROR")
         layout.label(text=f"{megabytes(total)} of texture in all")
         if broken:
             layout.operator("diffraction.rebake", text="Bake Broken Again", icon="FILE_REFRESH").scope = "BROKEN"
@@ -134,7 +189,7 @@ class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):
         self.layout.operator("diffraction.restore_settings", icon="LOOP_BACK")
 
 
-def _active(context: bpy.types.Context) -> bpy.types.Material | None:
+def _active(context: bpy.types.Context) -> Any:
     return context.object.active_material if context.object is not None else None
 
 
@@ -149,4 +204,11 @@ def _scale(context: bpy.types.Context) -> list[str]:
     return scale.warnings(context.scene, context.object, chosen.get("ensemble", "average"), sigma_s, patch)
 
 
-CLASSES = (DIFFRACTION_PT_material, DIFFRACTION_PT_active, DIFFRACTION_PT_files, DIFFRACTION_PT_settings)
+CLASSES = (
+    DIFFRACTION_PT_material,
+    DIFFRACTION_PT_active,
+    DIFFRACTION_PT_files,
+    DIFFRACTION_PT_settings,
+    DIFFRACTION_PT_assets,
+    DIFFRACTION_PT_material_tab,
+)

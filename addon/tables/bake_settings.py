@@ -6,8 +6,6 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import bpy
-
 from ...precompute.parameters import BakeParameters
 from ..given import is_given
 from ..numbers import decimal
@@ -92,7 +90,7 @@ def recall(values: dict[str, Any], owner: Any) -> None:
                 continue
 
 
-def changed(recipe: str, state: bpy.types.PropertyGroup) -> list[str]:
+def changed(recipe: str, state: Any) -> list[str]:
     """Labels of what differs between a table's recipe and the panel; empty where all is as it was baked.
 
     Parameters

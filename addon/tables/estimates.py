@@ -12,6 +12,7 @@ import bpy
 
 from ...precompute.errors import DiffractionError
 from .. import paths
+from ..jobs.threaded import redraw_sidebars
 from . import bake_settings, recipe
 
 
@@ -115,10 +116,7 @@ def _watch() -> float | None:
     """Timer: redraw the sidebar once an estimate is there."""
     if _at_work:
         return 0.1
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw_sidebars(bpy.context)
     return None
 
 

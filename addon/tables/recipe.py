@@ -21,7 +21,7 @@ from . import bake_settings
 KEY = "diffraction_recipe"
 
 
-def make(state: bpy.types.PropertyGroup) -> str:
+def make(state: Any) -> str:
     """The recipe of the table that the scene's scan and settings give, as JSON."""
     return json.dumps(
         {
@@ -60,6 +60,8 @@ def scan_of(recipe: dict[str, Any], folder: Path) -> tuple[Path, dict[str, Any]]
         reading = json.loads(recipe.get("reading") or "{}")
         if "size_m" in reading:
             reading["size_m"] = tuple(reading["size_m"])
+        # Sizes and heights were asked about when the scan was imported.
+        reading["trust_units"] = True
         return source, reading
     name = recipe.get("scan", "")
     stored = folder / name
@@ -67,7 +69,7 @@ def scan_of(recipe: dict[str, Any], folder: Path) -> tuple[Path, dict[str, Any]]
         raise ScanError(
             f"The scan {name or 'of this table'} is neither in {folder} nor at its origin; import it again."
         )
-    return stored, {}
+    return stored, {"trust_units": True}
 
 
 def file_sha256(path: Path) -> str:

@@ -84,8 +84,11 @@ def import_scan(
     channel: str | None,
     placement: Placement = Placement(),
     progress: Progress = lambda stage, fraction: None,
+    trusted: bool = False,
 ) -> Stored:
     """Read a scan and store it as .gsf; touches nothing of Blender, so that a thread may do it.
+
+    ``trusted`` takes sizes and heights from the file that are refused otherwise (`read_scan`'s ``trust_units``).
 
     Raises
     ------
@@ -93,7 +96,7 @@ def import_scan(
         Any of the readers' and of writing; nothing is written then.
     """
     progress("read", 0.0)
-    field = read_scan(path, size_m=size_m, height_m=height_m, channel=channel)
+    field = read_scan(path, size_m=size_m, height_m=height_m, channel=channel, trust_units=trusted)
     progress("turn", 0.6)
     field = placement.apply(field)
     as_it_is = path.suffix.lower() == ".gsf" and size_m is None and height_m is None and not placement.changes
@@ -101,6 +104,8 @@ def import_scan(
     target = _store(folder, path.stem, field, path if as_it_is else None)
     reading = {"size_m": size_m, "height_m": height_m, "channel": channel}
     reading = {key: value for key, value in reading.items() if value is not None}
+    if trusted:
+        reading["trust_units"] = True
     imported = {"path": str(path.resolve()), **reading}
     channels = field.metadata.get("channels", [])
     if placement.changes:  # the original lies otherwise
@@ -126,7 +131,7 @@ def stored(path: Path) -> Stored:
     DiffractionError
         If it cannot be read.
     """
-    field = read_scan(path)
+    field = read_scan(path, trust_units=True)  # it was asked about when it was imported
     return Stored(path, path, {}, field.metadata["sha256"], _info(field), {}, [])
 
 
@@ -215,7 +220,9 @@ def _info(field: HeightField) -> str:
     rows, columns = info["shape"]
     heights = (info["z_max_m"] - info["z_min_m"]) * 1e9
     missing = f", {info['missing']} missing" if info["missing"] else ""
-    return f"{columns} x {rows} px, {x:.4g} x {y:.4g} um, {heights:.4g} nm high{missing}"
+    # A line of the panel each.
+    notes = "".join(f", {note.replace(', ', '; ')}" for note in field.metadata.get("notes", ()))
+    return f"{columns} x {rows} px, {x:.4g} x {y:.4g} um, {heights:.4g} nm high{missing}{notes}"
 
 
 def bake_source(scene: bpy.types.Scene) -> tuple[Path, dict[str, Any]]:

@@ -142,44 +142,58 @@ class Renderer:
             rows = lamps.studio_rows(view_matrix)
         exposure = depsgraph.scene.original.view_settings.exposure
         frame = blocks.Frame(view_matrix, projection, rows, view.points, through_display, exposure, listing.ambient)
-        shader = sources.surface(view.method, loose_depth)
+        shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
         state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
         gpu.state.blend_set("NONE" if view.surface == "REPLACE" else "ADDITIVE")
         gpu.state.depth_test_set("LESS_EQUAL")
         gpu.state.depth_mask_set(False)
         try:
-            shader.bind()
-            shader.uniform_block("df_frame", self._uniform(("frame",), frame.rows()))
-            display = self.display.texture(depsgraph.scene.original) if through_display else self.display.any()
-            shader.uniform_sampler("df_display", display)
-            bound = None
+            rows = self._uniform(("frame",), frame.rows())
+            bound = shader = None
+            facing = ""
             for item in listing.items:
-                if item.material != bound:
+                if shader is None or item.material != bound:
                     bound = item.material
-                    self._bind(shader, bound, view)
+                    shader = self._bind(bound, view, shared, any(listing.ambient))
+                    shader.uniform_block("df_frame", rows)
+                    if through_display:
+                        shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
+                # Nothing is added to a surface's back.
+                culled = "NONE" if view.surface == "REPLACE" else "FRONT" if item.mirrored else "BACK"
+                if culled != facing:
+                    facing = culled
+                    gpu.state.face_culling_set(culled)
                 shader.uniform_float("df_model", item.matrix)
                 item.batch.draw(shader)
         finally:
+            gpu.state.face_culling_set("NONE")
             gpu.state.blend_set(state[0])
             gpu.state.depth_test_set(state[1])
             gpu.state.depth_mask_set(state[2])
         return len(listing.items)
 
-    def _bind(self, shader, shaded: bpy.types.Material, view: View) -> None:
+    def _bind(self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool):
+        """The shader of a material, with all that it reads."""
         import gpu
 
         path = looks.table_path(shaded)
         table = self.tables.get(path)
         look = looks.surface(shaded, table.layout, table.info, view)
+        flags = shared | look.flags(ambient)
+        shader = sources.surface(view.method, flags)
+        shader.bind()
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
-        shader.uniform_sampler("df_albedo", table.albedo)
+        if flags & {"CONSERVE", "AMBIENT"}:
+            shader.uniform_sampler("df_albedo", table.albedo)
         turned = orientation.angle_image(shaded)
-        shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]) if turned else table.albedo)
+        if turned is not None:
+            shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
         if view.method == "FLSS":
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)
             shader.uniform_sampler("df_terms", series.terms)
+        return shader
 
     def _uniform(self, key: tuple, rows: np.ndarray):
         """A uniform buffer with these rows, the last one where nothing changed."""

@@ -12,7 +12,7 @@ from mathutils import Matrix
 
 from ..materials import material
 from .data import orientation
-from .data.batches import MeshBatches, Meshes
+from .data.batches import MeshBatches, Meshes, mesh_key
 
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
@@ -23,6 +23,8 @@ class Item:
 
     material: bpy.types.Material
     matrix: Matrix
+    #: Whether the matrix turns the inside out.
+    mirrored: bool
     mesh: MeshBatches
     batch: Any
 
@@ -46,26 +48,43 @@ def gather(
     if not ours:
         return []
     orientations = {uid: orientation.of(m) for uid, m in ours.items()}
+    #: By evaluated object: its slots' materials and its mesh's key; None where it shows nothing of ours.
+    known: dict[int, tuple[dict[int, int], tuple] | None] = {}
     found = []
     for instance in depsgraph.object_instances:
         ob = instance.object
-        if ob.type not in _SURFACES or not instance.show_self or ob.display_type in {"WIRE", "BOUNDS"}:
+        if ob.type not in _SURFACES or not instance.show_self:
             continue
-        used = {i: m.original.session_uid for i, m in enumerate(slots(ob)) if m is not None}
-        if ours.keys().isdisjoint(used.values()):
+        place = ob.as_pointer()
+        if place not in known:
+            known[place] = _of_ours(ob, ours)
+        ours_of = known[place]
+        if ours_of is None:
             continue
-        owner = instance.parent if instance.is_instance and instance.parent is not None else ob
+        used, key = ours_of
+        parent = instance.parent if instance.is_instance else None
+        owner = ob if parent is None else parent
         if not visible(owner.original):
             continue
         matrix = instance.matrix_world.copy()
+        mirrored = matrix.is_negative
         for orient in {orientations[uid] for uid in used.values() if uid in ours}:
-            mesh = meshes.get(instance, orient)
-            for index, batch in mesh.batches.items() if mesh is not None else ():
+            mesh = meshes.get(ob, owner, orient, key)
+            if mesh is None:
+                continue
+            for index, batch in mesh.batches.items():
                 uid = used.get(min(index, max(used)))
                 if uid in ours and orientations[uid] == orient:
-                    found.append(Item(ours[uid], matrix, mesh, batch))
+                    found.append(Item(ours[uid], matrix, mirrored, mesh, batch))
     found.sort(key=lambda item: item.material.session_uid)
     return found
+
+
+def _of_ours(ob: bpy.types.Object, ours: dict[int, bpy.types.Material]) -> tuple[dict[int, int], tuple] | None:
+    if ob.display_type in {"WIRE", "BOUNDS"}:
+        return None
+    used = {i: m.original.session_uid for i, m in enumerate(slots(ob)) if m is not None}
+    return None if ours.keys().isdisjoint(used.values()) else (used, mesh_key(ob))
 
 
 def slots(ob: bpy.types.Object) -> list[bpy.types.Material | None]:

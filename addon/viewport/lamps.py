@@ -29,7 +29,7 @@ def scene_rows(depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Obje
     """
     found = []
     for lamp in lights.lamp_objects(depsgraph.scene.original)[:LAMPS_MAX]:
-        if not visible(getattr(lamp, "instancer", lamp)):
+        if not visible(lamp.instancer if isinstance(lamp, lights.InstancedLamp) else lamp):
             continue
         rows = lamp_rows(lamp.evaluated_get(depsgraph))
         if rows is not None:
@@ -37,7 +37,7 @@ def scene_rows(depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Obje
     return np.array(found, np.float32).reshape(-1, 6, 4)
 
 
-def lamp_rows(ob: bpy.types.Object) -> np.ndarray | None:
+def lamp_rows(ob: lights.LampObject) -> np.ndarray | None:
     """``(6, 4)`` rows of an evaluated lamp: place + kind, two half axes, normal, colour + size, extra; None if dark.
 
     With P the power in watts: a ball has the intensity P / 4 pi, an area lamp of area A the radiance P / (pi A),
@@ -58,6 +58,7 @@ def lamp_rows(ob: bpy.types.Object) -> np.ndarray | None:
         if not normalised and radius > 0.0:
             power = power * (math.pi * math.sin(radius) ** 2)
         rows[4] = *power, radius
+        rows[5, 0] = 2.0 * math.sin(0.5 * radius) ** 2  # 1 - cosine
     elif lamp.kind == "BALL":
         radius = lamp.size[0]
         intensity = power / (4.0 * math.pi)
@@ -66,7 +67,7 @@ def lamp_rows(ob: bpy.types.Object) -> np.ndarray | None:
         rows[4] = *intensity, radius
         rows[5, 2] = float(getattr(light, "use_soft_falloff", True))
         if lamp.type == "SPOT":
-            rows[1:4, :3] = [axis / max(axis.length_squared, 1e-18) for axis in _axes(ob)]
+            rows[1:4, :3] = np.array([axis / max(axis.length_squared, 1e-18) for axis in _axes(ob)])
             rows[3, :3] *= -1.0  # it shines along its -z
             cosine = math.cos(0.5 * lamp.spot_angle)
             rows[5, :2] = cosine, 1.0 / max((1.0 - cosine) * lamp.spot_blend, 1e-6)
@@ -85,9 +86,9 @@ def lamp_rows(ob: bpy.types.Object) -> np.ndarray | None:
     return rows
 
 
-def _axes(ob: bpy.types.Object) -> tuple[Vector, Vector, Vector]:
+def _axes(ob: lights.LampObject) -> list[Vector]:
     """Axes of an object in world space, as long as it is scaled."""
-    return tuple(ob.matrix_world.col[i].xyz for i in range(3))
+    return [ob.matrix_world.col[i].xyz for i in range(3)]
 
 
 def studio_rows(view: np.ndarray) -> np.ndarray:
@@ -104,4 +105,5 @@ def studio_rows(view: np.ndarray) -> np.ndarray:
         world = to_world @ np.array(direction)
         row[0] = *(world / np.linalg.norm(world)), LAMP_KINDS["SUN"]
         row[4] = strength, strength, strength, 0.02
+        row[5, 0] = 2.0 * math.sin(0.5 * row[4, 3]) ** 2
     return rows

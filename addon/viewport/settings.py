@@ -60,7 +60,7 @@ def _set_here(_, value: bool) -> None:
         _changed(None, None)
 
 
-def shows(space: bpy.types.SpaceView3D) -> bool:
+def shows(space: bpy.types.Space) -> bool:
     """Whether a 3-D view is to show diffraction."""
     return space.as_pointer() not in _off
 

@@ -12,25 +12,28 @@ from typing import Any
 
 import numpy as np
 
-from ..constants import KAPPA_MAX
 from ..errors import ScanError, SizeLimitError
 from ..files.atomic import remove_stale
 from ..light.colour import ADAPTED, adaptation, spectral_weights, white_xyz
 from ..light.illuminant import Illuminant, to_json
 from ..parameters import BakeParameters
-from ..readers import read_scan
+from ..readers import read_scan_or_part
 from ..scan.heightfield import HeightField
 from ..scan.preparation import prepare
+from ..stack import Material, Stack, fresnel_exact
+from ..stack import to_json as stack_to_json
 from ..table.albedo import albedo_map
 from ..table.cache import TableCache, origin, table_key
 from ..table.layout import TableLayout, put_guard
 from ..table.table import SpectralTable
 from .balance import balance
 from .budget import check_bake, check_scan
-from .intensity import PolarIntensity, workers
+from .energy import energy, sector_intensity
+from .intensity import PolarIntensity
 from .plan import plan_layout
 from .series import chebyshev_nodes, check_single_precision, node_count
-from .spectral_sum import SpectralSum
+from .spectral_sum import Reflectance, SpectralSum
+from .transforms import workers
 from .window import default_sigma_s
 
 #: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
@@ -41,6 +44,9 @@ Transforms = Callable[[PolarIntensity, np.ndarray, Callable[[float], None]], np.
 
 #: Angles that go from the transforms to the spectral sum at a time; bounds the memory in between.
 ANGLES_A_BLOCK = 96
+
+#: Polar angles of the row that holds the reflectance of the surface's stuff.
+N_REFLECTANCE = 91
 
 #: Texels are scaled to this largest value, well inside half floats (65504).
 _LARGEST_TEXEL = 30000.0
@@ -60,12 +66,15 @@ class BakeReport:
         Wall time a stage, and ``total``.
     cache
         ``none``, ``hit`` (nothing was computed), ``stored`` or ``not stored`` (no room or no permission).
+    notes
+        What was chosen, assumed or filled in on the way, one sentence each.
     """
 
     path: Path
     table: SpectralTable
     seconds: dict[str, float] = field(default_factory=dict)
     cache: str = "none"
+    notes: tuple[str, ...] = ()
 
 
 class _Stages:
@@ -103,7 +112,14 @@ def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
         If the table would be larger than ``parameters.limit_bytes``.
     """
     half_range = 0.5 * float(np.ptp(patch.heights))
-    layout = plan_layout(resolve_sigma_s(patch, parameters), parameters.ensemble, half_range, parameters.detail)
+    layout = plan_layout(
+        resolve_sigma_s(patch, parameters),
+        parameters.ensemble,
+        half_range,
+        parameters.detail,
+        parameters.index,
+        0 if parameters.stack is None and parameters.lacquer is None else N_REFLECTANCE,
+    )
     if layout.texel_bytes > parameters.limit_bytes:
         raise SizeLimitError(
             f"The table would need {layout.texel_bytes / 1e6:.0f} MB of texels ({layout.n_r} radii x {layout.n_phi}"
@@ -169,7 +185,7 @@ def bake_file(
     cache
         Where the table is looked up before and stored after the computation; the files are the same either way.
     **reading
-        Passed to :func:`precompute.readers.read_scan` (``size_m``, ``height_m``, ``channel``).
+        Passed to :func:`precompute.readers.read_scan` (``size_m``, ``height_m``, ``channel``, ``trust_units``).
 
     Returns
     -------
@@ -180,7 +196,7 @@ def bake_file(
 
     stages = _Stages(progress)
     stages.report("read", 0.0)
-    scan = read_scan(path, **reading)
+    scan = read_scan_or_part(path, parameters.crop_m, **reading)
     folder = ensure_folder(out_dir)
     remove_stale(folder)
     stages.done("read")
@@ -195,7 +211,20 @@ def bake_file(
     written = table.save(target)
     stages.done("write")
     stages.report("done", 1.0)
-    return BakeReport(written, table, stages.seconds, found)
+    return BakeReport(written, table, stages.seconds, found, _notes(scan, table))
+
+
+def _notes(scan: HeightField, table: SpectralTable) -> tuple[str, ...]:
+    """Of the reading and of the processing that the table's sidecar lists."""
+    notes = list(scan.metadata.get("notes", ()))
+    for step in table.info["source"].get("processing", []):
+        if step.get("step") == "fill":
+            notes.append(
+                f"{step['count']} missing points ({100 * step['fraction']:.2g} %) were filled from around them"
+            )
+        if step.get("warning"):
+            notes.append(str(step["warning"]).rstrip("."))
+    return tuple(notes)
 
 
 def _cached_bake(
@@ -235,31 +264,45 @@ def _bake(
     sigma_s = resolve_sigma_s(patch, parameters)
     layout = estimate(patch, parameters)
     check_bake(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK, memory_bytes)
-    x = KAPPA_MAX * 0.5 * float(np.ptp(patch.heights))
+    kappa_max, index, stack = parameters.kappa_max, parameters.index, parameters.stack
+    x = kappa_max * 0.5 * float(np.ptp(patch.heights))
     check_single_precision(parameters.series, x, parameters.tolerance)
     stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.04)
     stages.done("prepare")
     # colour-science takes longer to import than a transform takes: it loads while the transforms run.
     with ThreadPoolExecutor(1) as background:
         colours = background.submit(_colours, parameters.illuminant)
-        polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance)
-        nodes = chebyshev_nodes(KAPPA_MAX, node_count(x, parameters.tolerance))
+        polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance, kappa_max)
+        nodes = chebyshev_nodes(kappa_max, node_count(x, parameters.tolerance))
         compute = PolarIntensity.coefficients if transforms is None or parameters.series != "nodes" else transforms
         coefficients = compute(polar, nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
         stages.done("transforms")
         wavelengths, weights, white = colours.result()
         stages.done("colour")
 
-    total = SpectralSum(
-        polar.frequencies,
-        nodes,
-        KAPPA_MAX,
-        layout.radii,
-        layout.slices,
-        wavelengths,
-        weights,
-        lambda done: stages.report("spectral sum", 0.55 + 0.04 * done),
-    )
+    stages.report("energy", 0.55)
+    means = sector_intensity(polar, coefficients, layout)
+    gain = None
+    if parameters.energy == "capped":
+        gain = energy(polar, means, nodes, kappa_max, layout, wavelengths, index, capped=True).gain
+    stages.done("energy")
+    stuff = None if stack is None else Reflectance(stack, wavelengths, parameters.lacquer, index)
+
+    def spectral_sum(reflectance: Reflectance | None) -> SpectralSum:
+        return SpectralSum(
+            polar.frequencies,
+            nodes,
+            kappa_max,
+            layout.radii,
+            layout.slices,
+            wavelengths,
+            weights,
+            lambda done: stages.report("spectral sum", 0.55 + 0.04 * done),
+            reflectance,
+            gain,
+        )
+
+    total = spectral_sum(stuff)
     transform = _integrate(polar, coefficients, total, layout, stages)
     del coefficients
     stages.done("spectral sum")
@@ -268,11 +311,24 @@ def _bake(
     del transform
     stages.done("balance")
     stages.report("albedo", 0.88)
-    albedo = albedo_map(texels, layout, white, lambda done: stages.report("albedo", 0.88 + 0.04 * done))
+    # Energy is conserved by what the relief does to light: with R = 1.
+    bare = texels
+    if stack is not None:
+        bare = balance(spectral_sum(None).apply(means), layout)
+    albedo = albedo_map(bare, layout, white, lambda done: stages.report("albedo", 0.88 + 0.04 * done), index)
+    del bare
+    stages.done("albedo")
+    kept = energy(polar, means, nodes, kappa_max, layout, wavelengths, index, gain, albedo)
+    stages.done("energy")
+    conserving = np.where(kept.bound > 1.0, np.maximum(albedo, kept.bound), albedo)
     stages.done("albedo")
     stages.report("atlas", 0.92)
     to_adapted = adaptation(parameters.illuminant)
-    layout, atlas = assemble(texels, layout, albedo, to_adapted)
+    seen = None
+    if layout.n_reflectance:
+        seen = _seen_reflectance(stack, parameters.lacquer, index, wavelengths, weights)
+        seen = seen if to_adapted is None else seen @ to_adapted.T
+    layout, atlas = assemble(texels, layout, np.stack([albedo, conserving]), to_adapted, seen)
     stages.done("atlas")
     info = {
         "key": table_key(scan, parameters),
@@ -292,8 +348,13 @@ def _bake(
             "wavelength_step_m": float(wavelengths[1] - wavelengths[0]),
         },
         "terms": polar.series.terms or len(nodes),
-        "albedo_max": float(albedo.max()),
+        "albedo_max": float(conserving.max()),
+        "energy": {"model": parameters.energy, "albedo_max_xyz": float(albedo.max()), "share_cut": kept.share_cut},
     }
+    if stack is not None:
+        info["stack"] = {**(stack_to_json(stack) or {}), "text": str(stack), "notes": list(stack.notes)}
+    if parameters.lacquer is not None:
+        info["lacquer"] = {"material": parameters.lacquer.to_json(), "n": index}
     return SpectralTable(layout, atlas, info)
 
 
@@ -316,12 +377,29 @@ def _integrate(
     return transform
 
 
+def _seen_reflectance(
+    stack: Stack | None, lacquer: Material | None, index: float, wavelengths: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
+    """``(N_REFLECTANCE, 3)`` in XYZ, 1 as white: what stack and lacquer keep from below, over a view's angle."""
+    cosine = np.cos(np.linspace(0.0, 0.5 * np.pi, N_REFLECTANCE))
+    outer = fresnel_exact(index, cosine) if lacquer is not None else np.zeros(N_REFLECTANCE)
+    inside = np.sqrt(np.maximum(1.0 - (1.0 - cosine**2) / index**2, 0.0))
+    below = np.zeros((len(wavelengths), N_REFLECTANCE))
+    if stack is not None:
+        below = stack.reflectance(wavelengths, inside, lacquer)
+    return (1.0 - (1.0 - outer) * (1.0 - below)).T @ weights
+
+
 def _colours(illuminant: Illuminant) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return (*spectral_weights(illuminant=illuminant), white_xyz(illuminant))
 
 
 def assemble(
-    texels: np.ndarray, layout: TableLayout, albedo: np.ndarray, to_adapted: np.ndarray | None = None
+    texels: np.ndarray,
+    layout: TableLayout,
+    albedo: np.ndarray,
+    to_adapted: np.ndarray | None = None,
+    reflectance: np.ndarray | None = None,
 ) -> tuple[TableLayout, np.ndarray]:
     """Put the table's nodes into the atlas as half floats.
 
@@ -332,10 +410,12 @@ def assemble(
     layout
         Its scale is replaced.
     albedo
-        ``(n_albedo_phi, n_theta)``.
+        ``(n_albedo_phi, n_theta)`` for all albedo tiles, or ``(n_albedo, ...)`` for each.
     to_adapted
         ``(3, 3)`` what the XYZ of the texels are multiplied by, see `precompute.light.colour.adaptation`. Saturated
         colours may leave it with a negative component, as they do any adaptation.
+    reflectance
+        ``(n_reflectance, 3)`` for the row of that name, adapted.
 
     Returns
     -------
@@ -364,8 +444,12 @@ def assemble(
         slice_texels = texels[:, index] if turn is None else np.matmul(turn, texels[:, index])
         tile[1:-1] = (slice_texels * factor).transpose(2, 0, 1)
         tile[0], tile[-1] = tile[-2], tile[1]
-    tile = atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta]
-    tile[1:-1] = albedo[:, :, None]
-    tile[0], tile[-1] = tile[-2], tile[1]
+    for number, values in enumerate(np.broadcast_to(albedo, (layout.n_albedo, layout.n_albedo_phi, layout.n_theta))):
+        y = layout.albedo_y + number * layout.albedo_height
+        tile = atlas[y : y + layout.albedo_height, : layout.n_theta]
+        tile[1:-1] = values[:, :, None]
+        tile[0], tile[-1] = tile[-2], tile[1]
+    if reflectance is not None:
+        atlas[layout.reflectance_y - 1 : layout.reflectance_y + 2, : layout.n_reflectance] = reflectance
     put_guard(atlas, layout)
     return layout, atlas

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from ..constants import FREQUENCY_MAX, KAPPA_MAX
+from ..constants import FREQUENCY_MAX
 from ..errors import ParameterError, ScanError, SizeLimitError
 from ..files.memory import available_bytes
 from ..parameters import BakeParameters
@@ -13,8 +13,9 @@ from ..scan.heightfield import HeightField
 from ..scan.resample import refine_factors
 from ..table.albedo import SECTORS
 from ..table.layout import TableLayout
-from .intensity import RADIAL_STEP, Axis, lobe_width, workers
+from .intensity import PLANES, RADIAL_STEP
 from .series import node_count
+from .transforms import Axis, lobe_width, workers
 
 #: Libraries, and what the many small arrays take.
 _BASE_BYTES = 165e6
@@ -65,16 +66,18 @@ def transform_bytes(field: HeightField, pixels: tuple[int, int], sigma_s_m: floa
     (rows, cols), (size_x, size_y) = pixels, field.size_m
     along_x = Axis.plan(cols, size_x / cols, sigma_s_m)
     along_y = Axis.plan(rows, size_y / rows, sigma_s_m)
-    single = 8.0 if series == "nodes" else 16.0
-    # Heights as read, prepared and centred, window and single copies; then p, its transform along x, the band of it,
-    # the transform of that along y, its band, and the power with its lags.
-    patch = rows * cols * (4 * 8.0 + 2 * 4.0 + single)
-    spectra = single * (
-        max(rows * along_x.padded + rows * along_x.band, (rows + 2 * along_y.padded + along_y.band) * along_x.band)
-    )
-    spectra = max(spectra, along_y.band * along_x.band * (single + 12.0))
-    if series != "nodes":
-        spectra += 10 * single * along_y.band * along_x.band
+    # Heights and masks as read and as prepared, and a copy for the phases.
+    patch = rows * cols * (2 * 9.0 + 4.0)
+    # The band along x, few lags of its transform, what is interleaved, and a thread's lines.
+    half = (along_y.cut + 1) * (along_x.band + along_x.fine)
+    planes = 4.0 * PLANES * along_y.fine * along_x.fine
+    if series == "nodes":
+        spectra = 8.0 * rows * along_x.band
+    else:
+        # Double precision: the copy for the phases, a window, p and its parts; sums of terms for a group of kappas.
+        patch += rows * cols * (4.0 + 8.0 + 3 * 16.0)
+        spectra = 16.0 * (rows + 10 * along_y.band) * along_x.band
+    spectra += 8.0 * half + planes + workers() * 4 * 2.0**19
     return patch + spectra
 
 
@@ -83,7 +86,7 @@ def bake_bytes(
 ) -> float:
     """Peak of a whole bake of a prepared patch, in bytes."""
     rows, cols = field.shape
-    x = KAPPA_MAX * 0.5 * float(field.heights.max() - field.heights.min())
+    x = parameters.kappa_max * 0.5 * float(field.heights.max() - field.heights.min())
     nodes = node_count(x, parameters.tolerance)
     along_x = Axis.plan(cols, field.dx, sigma_s_m)
     along_y = Axis.plan(rows, field.dy, sigma_s_m)

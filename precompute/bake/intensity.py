@@ -19,78 +19,23 @@ its 16 weights a point are computed once for all kappa.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from ..constants import FREQUENCY_MAX, KAPPA_MAX
 from ..scan.heightfield import HeightField
+from .scipy_kernels import sparse_product
 from .series import Series
+from .transforms import Axis, Transforms, interleave, lobe_width, workers
 from .window import window_axis
 
-#: Lags beyond this many sigma_s are cut: exp(-6.5^2 / 4) = 2.6e-5.
-LAG_CUT = 6.5
-
-#: Side of the lag square that the last transform sees, in cut lags: room for the B-spline.
-LAG_ROOM = 1.2
-
-#: Frequencies kept beyond the visible band, in widths of the coherence lobe.
-BAND_MARGIN = 6.0
+#: Intensities of single kappas that are kept apart before they are put side by side.
+PLANES = 4
 
 #: Radial step of the polar grid in widths s_f of the coherence lobe (cubic interpolation in between).
 RADIAL_STEP = 0.4
-
-
-def lobe_width(sigma_s_m: float) -> float:
-    """Standard deviation s_f = 1 / (2 pi sqrt(2) sigma_s) of the intensity's lobe in spatial frequency (1/m)."""
-    return 1.0 / (2.0 * np.pi * np.sqrt(2.0) * sigma_s_m)
-
-
-def workers() -> int:
-    """Threads for transforms: all processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@dataclass(frozen=True)
-class Axis:
-    """One axis of the transforms: from pixels to cropped frequencies, lags and fine frequencies."""
-
-    pixels: int
-    step: float  # pixel size, m
-    padded: int  # length of the first transform
-    band: int  # frequencies kept (even)
-    cut: int  # lags kept on either side
-    fine: int  # length of the last transform
-
-    @classmethod
-    def plan(cls, pixels: int, step: float, sigma_s_m: float) -> Axis:
-        from scipy.fft import next_fast_len
-
-        length = pixels * step
-        lag_cut = min(length, LAG_CUT * sigma_s_m)
-        padded = next_fast_len(int(np.ceil((length + lag_cut) / step)) + 1)
-        top = FREQUENCY_MAX + BAND_MARGIN * lobe_width(sigma_s_m)
-        # Even and of small prime factors.
-        band = 2 * next_fast_len(int(np.ceil(top * padded * step)) + 1, real=True)
-        lag_step = padded * step / band
-        cut = min(int(np.ceil(lag_cut / lag_step)), band // 2 - 1)
-        fine = 2 * next_fast_len(int(np.ceil(LAG_ROOM * cut)) + 4, real=True)
-        return cls(pixels, step, padded, band, cut, fine)
-
-    @property
-    def lag_step(self) -> float:
-        return self.padded * self.step / self.band
-
-    @property
-    def frequency_step(self) -> float:
-        """Step of the fine frequency grid, 1/m."""
-        return 1.0 / (self.fine * self.lag_step)
-
-    def band_indices(self) -> np.ndarray:
-        """Indices into the padded transform, which is periodic, in FFT order of the band."""
-        return np.fft.fftfreq(self.band, 1.0 / self.band).astype(int) % self.padded
 
 
 class PolarIntensity:
@@ -104,7 +49,7 @@ class PolarIntensity:
         Coherence window, metres.
     ensemble
         ``average``, ``single`` or ``periodic``.
-    series, tolerance
+    series, tolerance, kappa_max
         See :class:`precompute.bake.series.Series`.
 
     Attributes
@@ -124,6 +69,7 @@ class PolarIntensity:
         ensemble: str,
         series: str = "nodes",
         tolerance: float = 1e-4,
+        kappa_max: float = KAPPA_MAX,
     ) -> None:
         rows, cols = field.shape
         self.x = Axis.plan(cols, field.dx, sigma_s_m)
@@ -132,11 +78,12 @@ class PolarIntensity:
             window_axis(rows, field.dy, sigma_s_m, ensemble),
             window_axis(cols, field.dx, sigma_s_m, ensemble),
         )
-        window = np.outer(*self.window_axes)
-        area = float(np.sum(window * window)) * field.dx * field.dy
-        self.series = Series(field.heights, window, KAPPA_MAX, series, tolerance, self._spectrum)
+        area = float(np.prod([axis @ axis for axis in self.window_axes])) * field.dx * field.dy
+        # One transform a kappa multiplies the rows by the window as it goes; a series needs it whole.
+        window = np.ones((1, 1)) if series == "nodes" else np.outer(*self.window_axes)
+        self.series = Series(field.heights, window, kappa_max, series, tolerance, self._spectrum)
         self.lag_axes = self._make_lag_axes(sigma_s_m if ensemble == "average" else None)
-        self._lag_weight = np.outer(self.lag_axes[0], self.lag_axes[1][: self.x.fine // 2 + 1]).astype(np.float32)
+        self._transforms = Transforms(self.x, self.y, self.lag_axes)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
         # by the lag area of 1 / (padded steps), the last transform integrates over lags.
         pixel = field.dx * field.dy
@@ -146,14 +93,13 @@ class PolarIntensity:
         self.frequencies = step * np.arange(count)
 
     def _spectrum(self, p: np.ndarray) -> np.ndarray:
-        """sum p exp(+2 pi i f.x) over the pixels, on the band. Rows first, so that padding costs little."""
-        from scipy.fft import ifft
+        """sum p exp(+2 pi i f.x) over the pixels, on the band, of a term of a series."""
 
-        threads = workers()
-        along_x = ifft(p, self.x.padded, axis=1, norm="forward", workers=threads)
-        along_x = np.take(along_x, self.x.band_indices(), axis=1)
-        along_y = ifft(along_x, self.y.padded, axis=0, norm="forward", workers=threads, overwrite_x=True)
-        return np.take(along_y, self.y.band_indices(), axis=0)
+        def rows(here: slice, out: np.ndarray) -> None:
+            out[...] = p[here]
+
+        with ThreadPoolExecutor(workers()) as pool:
+            return self._transforms.spectrum(self._transforms.band(rows, p.dtype, pool), pool)
 
     def _make_lag_axes(self, sigma_s_m: float | None) -> tuple[np.ndarray, np.ndarray]:
         """``(fine_y,)`` and ``(fine_x,)``: lag window times the B-spline's prefilter, with the cut lags zero."""
@@ -183,29 +129,31 @@ class PolarIntensity:
         ndarray
             ``(fine_y * fine_x, n)`` float32, frequency zero in the middle.
         """
-        out = np.empty((self.y.fine * self.x.fine, len(kappas)), np.float32)
-        for index, spectrum in enumerate(self.series.amplitudes(kappas)):
-            out[:, index] = self._smoothed(spectrum).ravel()
-            if progress is not None:
-                progress((index + 1) / len(kappas))
-        return out
+        count = len(kappas)
+        out = np.empty((self.y.fine, self.x.fine, count), np.float32)
+        spectra = None if self.series.method == "nodes" else self.series.amplitudes(kappas)
+        # Single kappas would write one number to each line of the cache: some are collected first.
+        planes = np.empty((min(PLANES, count), self.y.fine, self.x.fine), np.float32)
+        with ThreadPoolExecutor(workers()) as pool:
+            for start in range(0, count, PLANES):
+                group = range(start, min(start + PLANES, count))
+                for plane, index in zip(planes, group, strict=False):
+                    if spectra is None:
+                        self._of_node(kappas[index], plane, pool)
+                    else:
+                        self._transforms.of_spectrum(next(spectra), plane, pool)
+                    if progress is not None:
+                        progress((index + 1) / count)
+                interleave(planes[: len(group)], out[..., group.start : group.stop], pool)
+        return out.reshape(-1, count)
 
-    def _smoothed(self, spectrum: np.ndarray) -> np.ndarray:
-        from scipy.fft import irfft2, rfft2
+    def _of_node(self, kappa: float, out: np.ndarray, pool: ThreadPoolExecutor) -> None:
+        along_y, along_x = (axis.astype(np.float32) for axis in self.window_axes)
 
-        threads = workers()
-        power = np.square(spectrum.real, dtype=np.float32)
-        power += np.square(spectrum.imag, dtype=np.float32)
-        # R at the lags of the band; power is real, so half a plane holds them all.
-        lags = rfft2(power, workers=threads, overwrite_x=True)
-        cut_y, cut_x = self.y.cut, self.x.cut
-        small = np.zeros((self.y.fine, self.x.fine // 2 + 1), lags.dtype)
-        small[: cut_y + 1, : cut_x + 1] = lags[: cut_y + 1, : cut_x + 1]
-        small[-cut_y:, : cut_x + 1] = lags[-cut_y:, : cut_x + 1]
-        small *= self._lag_weight
-        # rfft2 gave sum power exp(-2 pi i f.D), so irfft2 with exp(+2 pi i f.D) returns to +f.
-        fine = irfft2(small, (self.y.fine, self.x.fine), norm="forward", workers=threads, overwrite_x=True)
-        return np.fft.fftshift(fine)
+        def rows(here: slice, lines: np.ndarray) -> None:
+            self.series.rows(kappa, here, along_y[here, None] * along_x, lines)
+
+        self._transforms.of_band(self._transforms.band(rows, np.complex64, pool), out, pool)
 
     def polar(self, coefficients: np.ndarray, angles: np.ndarray) -> np.ndarray:
         """S on the polar grid.
@@ -222,17 +170,14 @@ class PolarIntensity:
         ndarray
             ``(n_f, n, m)`` float32, m^2.
         """
-        from scipy.sparse import csr_array
-
         row, wy = _cubic_b_spline(np.outer(self.frequencies / self.y.frequency_step, np.sin(angles)).ravel())
         col, wx = _cubic_b_spline(np.outer(self.frequencies / self.x.frequency_step, np.cos(angles)).ravel())
         row = (row + self.y.fine // 2) % self.y.fine
         col = (col + self.x.fine // 2) % self.x.fine
-        weights = (np.float32(self._factor) * wy[:, :, None] * wx[:, None, :]).reshape(-1)
-        indices = (row[:, :, None] * np.int32(self.x.fine) + col[:, None, :]).reshape(-1)
-        pointers = np.arange(0, len(weights) + 1, 16)
-        matrix = csr_array((weights, indices, pointers), shape=(len(row), len(coefficients)))
-        values = (matrix @ coefficients).reshape(len(self.frequencies), len(angles), -1)
+        weights = (np.float32(self._factor) * wy[:, :, None] * wx[:, None, :]).reshape(-1, 16)
+        indices = (row[:, :, None] * np.int32(self.x.fine) + col[:, None, :]).reshape(-1, 16)
+        values = sparse_product(indices, weights, coefficients)
+        values = values.reshape(len(self.frequencies), len(angles), -1)
         return np.maximum(values.transpose(0, 2, 1), 0.0)
 
 

@@ -83,18 +83,34 @@ def check_single_precision(method: str, x: float, tolerance: float) -> None:
     )
 
 
+def bessel_functions(count: int, x: float) -> np.ndarray:
+    """``(count,)`` J_0(x) ... J_(count-1)(x) for x >= 0, by Miller's algorithm (DLMF 3.6(v), 10.74(iv)).
+
+    The recurrence ``J_(n-1) = 2 n / x J_n - J_(n+1)`` is stable downwards; where it starts does not matter far above
+    x, and ``J_0 + 2 (J_2 + J_4 + ...) = 1`` gives the scale.
+    """
+    start = 2 * (max(count, math.ceil(x)) // 2 + 30)
+    values = np.zeros(start + 2)
+    if x < 1e-8:  # the recurrence would overflow; J_1 = x / 2 is what is left
+        values[:2] = 1.0, 0.5 * x
+        return values[:count]
+    values[start] = 1e-300
+    for n in range(start, 0, -1):
+        values[n - 1] = 2.0 * n / x * values[n] - values[n + 1]
+        if abs(values[n - 1]) > 1e250:
+            values[n - 1 :] *= 1e-250
+    return values[:count] / (values[0] + 2.0 * values[2::2].sum())
+
+
 def bessel_order(x: float, tolerance: float) -> int:
     """Smallest N with ``2 sum_{n > N} |J_n(x)| <= tolerance``: the remainder of the Jacobi-Anger series.
 
     For real x' in [0, x] the remainder is largest at x as long as N > x, where the terms decay.
     """
-    from scipy.special import jv
-
-    orders = np.arange(int(x) + 120)
-    tail = 2.0 * np.cumsum(np.abs(jv(orders, x))[::-1])[::-1]
+    tail = 2.0 * np.cumsum(np.abs(bessel_functions(int(x) + 120, x))[::-1])[::-1]
     # tail[n] holds the terms from n on; the remainder after N is tail[N + 1].
     fits = np.nonzero(tail[1:] <= tolerance)[0]
-    order = int(fits[fits >= min(math.floor(x), len(tail) - 2)][0]) if len(fits) else len(orders)
+    order = int(fits[fits >= min(math.floor(x), len(tail) - 2)][0]) if len(fits) else len(tail)
     if order > TERMS_MAX:
         raise ParameterError(
             f"The heights need more than {TERMS_MAX} terms (kappa h = {x:.0f}); level the scan, clip its dust,"
@@ -189,7 +205,10 @@ class Series:
         transform: Callable[[np.ndarray], np.ndarray],
     ) -> None:
         low, high = float(heights.min()), float(heights.max())
-        self.heights = heights - 0.5 * (low + high)
+        # One transform a kappa needs the heights in single precision only, which is half the memory.
+        kind = np.float32 if method == "nodes" else np.float64
+        self.heights = np.empty(heights.shape, kind)
+        np.subtract(heights, 0.5 * (low + high), out=self.heights, casting="same_kind")
         self.half_range = 0.5 * (high - low)
         self.window = window
         self.kappa_max = kappa_max
@@ -222,6 +241,27 @@ class Series:
         """Weight of term n at each kappa."""
         return term_weight(self.method, n, kappa, self.kappa_max, self.half_range)
 
+    def rows(self, kappa: float, rows: slice, window: np.ndarray, out: np.ndarray) -> None:
+        """``window * exp(-i kappa h)`` of some rows, for the method ``nodes``.
+
+        Parameters
+        ----------
+        kappa
+            1/m.
+        rows
+            Which of the heights' rows.
+        window
+            ``(n, cols)`` float32 of these rows.
+        out
+            ``(n, cols)`` complex64, overwritten.
+        """
+        phase = self.heights[rows] * np.float32(kappa)
+        part = np.cos(phase)
+        np.multiply(part, window, out=out.real)
+        np.sin(phase, out=part)
+        np.negative(part, out=part)
+        np.multiply(part, window, out=out.imag)
+
     def amplitudes(self, kappas: np.ndarray, group: int = 8) -> Iterator[np.ndarray]:
         """Transforms of ``window * p`` at each kappa, in order.
 
@@ -229,13 +269,11 @@ class Series:
         the terms, which bounds the memory.
         """
         if self.method == "nodes":
-            single = self.heights.astype(np.float32)
-            window = np.asarray(self.window, np.float32)
+            everything = slice(None)
+            window = np.broadcast_to(np.asarray(self.window, np.float32), self.heights.shape)
             for kappa in kappas:
-                phase = single * np.float32(kappa)
-                p = np.empty(single.shape, np.complex64)
-                np.multiply(np.cos(phase), window, out=p.real)
-                np.multiply(np.sin(phase), -window, out=p.imag)
+                p = np.empty(self.heights.shape, np.complex64)
+                self.rows(kappa, everything, window, p)
                 yield self.transform(p)
             return
         for start in range(0, len(kappas), group):

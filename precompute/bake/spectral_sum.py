@@ -8,7 +8,9 @@ is one matrix
 
     M[(w, c), (f, n)] = sum_lambda weight_c(lambda) / lambda^2  L_n(2 pi |w| / lambda)  C_f(r / lambda)
 
-and the integral is ``M @ S``; no array is resampled.
+and the integral is ``M @ S``; no array is resampled. What depends on the wavelength, the radius and the slice
+alone goes into the same matrix: the reflectance of a stack, ``R(lambda, theta_half)`` with
+``cos(theta_half) = |(u, v, w)| / (2 n) = min(1, sqrt(r^2 + w^2) / (2 n))``, and the cap of the energy.
 """
 
 from __future__ import annotations
@@ -17,7 +19,39 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ..stack import Material, Stack
 from .series import node_weights
+
+
+class Reflectance:
+    """R(lambda, theta_half) of a stack as the table's coordinates see it.
+
+    Parameters
+    ----------
+    stack
+        Films and substrate.
+    wavelengths
+        ``(L,)`` metres.
+    lacquer, index
+        What lies over it, and its refractive index for directions.
+    """
+
+    def __init__(self, stack: Stack, wavelengths: np.ndarray, lacquer: Material | None, index: float) -> None:
+        cosines, sampled = stack.sampled(wavelengths, lacquer)
+        self._steps = len(cosines) - 1
+        self._sampled = np.ascontiguousarray(sampled.T)
+        self._index = index
+
+    def __call__(self, r: float, slices: np.ndarray) -> np.ndarray:
+        """``(n_w, L)`` at a radius and all slices."""
+        return self.at(np.sqrt(r**2 + slices**2) / (2.0 * self._index))
+
+    def at(self, cosines: np.ndarray) -> np.ndarray:
+        """``(..., L)`` at cosines in front of the stack."""
+        place = np.clip(cosines, 0.0, 1.0) * self._steps
+        lower = np.minimum(place.astype(int), self._steps - 1)
+        part = (place - lower)[..., None]
+        return self._sampled[lower] * (1.0 - part) + self._sampled[lower + 1] * part
 
 
 def cubic_lagrange(position: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -53,6 +87,10 @@ class SpectralSum:
         ``(L,)`` metres and ``(L, 3)`` from :func:`precompute.light.colour.spectral_weights`.
     progress
         Called with the fraction of the matrices that are made.
+    reflectance
+        Of the surface's stuff; None is R = 1.
+    gain
+        ``(n_w, L)`` a further factor, see `precompute.bake.energy`; None is 1.
     """
 
     def __init__(
@@ -65,11 +103,15 @@ class SpectralSum:
         wavelengths: np.ndarray,
         weights: np.ndarray,
         progress: Callable[[float], None] | None = None,
+        reflectance: Reflectance | None = None,
+        gain: np.ndarray | None = None,
     ) -> None:
         self.n_w = len(slices)
         # factors[(w, c, n), lambda]: everything that does not depend on the radius.
         kappa = 2.0 * np.pi * slices[:, None] / wavelengths
         lagrange = node_weights(nodes, kappa_max, kappa.ravel()).reshape(self.n_w, len(wavelengths), len(nodes))
+        if gain is not None:
+            lagrange = lagrange * gain[:, :, None]
         factors = np.einsum("lc,wln->wcnl", weights / wavelengths[:, None] ** 2, lagrange)
         factors = factors.reshape(-1, len(wavelengths)).astype(np.float32)
         rows = np.arange(len(wavelengths))[:, None]
@@ -80,7 +122,12 @@ class SpectralSum:
             low, high = int(first.min()), int(first.max()) + 4
             radial = np.zeros((len(wavelengths), high - low), np.float32)
             np.add.at(radial, (rows, first[:, None] - low + np.arange(4)), taps)
-            matrix = (factors @ radial).reshape(self.n_w * 3, len(nodes), high - low).transpose(0, 2, 1)
+            if reflectance is None:
+                product = factors @ radial
+            else:
+                seen = reflectance(r, slices).astype(np.float32)
+                product = (factors.reshape(self.n_w, -1, len(wavelengths)) * seen[:, None]) @ radial
+            matrix = product.reshape(self.n_w * 3, len(nodes), high - low).transpose(0, 2, 1)
             self.matrices.append((low, matrix.reshape(self.n_w * 3, -1)))
             if progress is not None:
                 progress(done / len(radii))

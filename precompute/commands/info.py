@@ -10,15 +10,20 @@ from . import options
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """FILE and its units."""
+    """FILE, its units and the part to look at."""
     options.add_scan(parser)
+    options.add_crop(parser)
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """See `precompute.scan.info.scan_info`."""
+    from ..scan.clipping import crop
     from ..scan.info import scan_info
 
-    return scan_info(options.read(args))
+    field, wanted = options.read(args), options.crop(args)
+    if wanted is not None and "cropped_m" not in field.metadata:
+        field = crop(field, wanted[:2], wanted[2:])
+    return scan_info(field)
 
 
 def describe(result: dict[str, Any]) -> str:

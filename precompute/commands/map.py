@@ -17,6 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", required=True, metavar="FILE", help=".png (sRGB) or .exr (linear Rec.709, 1/sr)")
     parser.add_argument("--size", type=int, default=512, metavar="N", help="pixels a side")
     parser.add_argument("--grid", action="store_true", help="draw polar angles and azimuths over a .png")
+    options.add_scaling(parser)
     parser.add_argument("--exposure", type=options.number, help="factor on the linear values of a .png")
 
 
@@ -29,7 +30,15 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     check_image_path(args.out)
     table = SpectralTable.load(args.table)
     illuminant = table.light
-    xyz = brdf_map(table, options.direction([args.theta_i, args.phi_i]), args.size)
+    seen, note = options.scaled(args, table)
+    xyz = brdf_map(seen, options.direction([args.theta_i, args.phi_i]), args.size)
     exposure = exposure_of(xyz, illuminant) if args.exposure is None else args.exposure
     path = save_map(xyz, args.out, exposure, illuminant, args.grid)
-    return {"out": str(path), "size": args.size, "y_max": float(xyz[..., 1].max()), "exposure": exposure}
+    return {
+        "out": str(path),
+        "size": args.size,
+        "y_max": float(xyz[..., 1].max()),
+        "exposure": exposure,
+        **table.stuff,
+        **note,
+    }

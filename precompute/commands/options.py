@@ -15,11 +15,12 @@ from ..constants import CACHE_LIMIT_BYTES
 from ..errors import ParameterError
 from ..evaluate.directions import from_angles
 from ..light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, read_spectrum
-from ..parameters import ENSEMBLES, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
+from ..parameters import ENERGY, ENSEMBLES, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
 from ..scan.heightfield import HeightField
 
 if TYPE_CHECKING:
     from ..table.cache import TableCache
+    from ..table.table import SpectralTable
 
 
 def number(text: str) -> float:
@@ -50,11 +51,17 @@ def add_scan(parser: argparse.ArgumentParser, several: bool = False) -> None:
     parser.add_argument("--size-um", nargs=2, type=number, metavar=("X", "Y"), help="side lengths in micrometres")
     parser.add_argument("--height-nm", type=number, metavar="H", help="height range in nanometres")
     parser.add_argument("--channel", help="name or number of the channel; the height channel by default")
+    parser.add_argument(
+        "--trust-units",
+        action="store_true",
+        help="take sides above 10 mm and heights above 1 mm from the file without a question",
+    )
 
 
 def scan_reading(args: argparse.Namespace) -> dict[str, Any]:
     """Keyword arguments of `precompute.readers.read_scan`."""
     return {
+        **({"trust_units": True} if args.trust_units else {}),
         "size_m": None if args.size_um is None else tuple(x * 1e-6 for x in args.size_um),
         "height_m": None if args.height_nm is None else args.height_nm * 1e-9,
         "channel": args.channel,
@@ -63,9 +70,25 @@ def scan_reading(args: argparse.Namespace) -> dict[str, Any]:
 
 def read(args: argparse.Namespace) -> HeightField:
     """The scan that `add_scan` names."""
-    from ..readers import read_scan
+    from ..readers import read_scan_or_part
 
-    return read_scan(args.file, **scan_reading(args))
+    return read_scan_or_part(args.file, crop(args), **scan_reading(args))
+
+
+def crop(args: argparse.Namespace) -> tuple[float, float, float, float] | None:
+    """--crop-um in metres, where the subcommand has it."""
+    given = getattr(args, "crop_um", None)
+    if given is None:
+        return None
+    left, right, bottom, top = (x * 1e-6 for x in given)
+    return left, right, bottom, top
+
+
+def add_crop(parser: argparse.ArgumentParser) -> None:
+    """--crop-um."""
+    parser.add_argument(
+        "--crop-um", nargs=4, type=number, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"), help="keep this rectangle"
+    )
 
 
 def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> None:
@@ -89,9 +112,7 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
     )
     parser.add_argument("--smooth-nm", type=number, metavar="S", default=0.0, help="smooth the heights", **many)
     if not several:
-        parser.add_argument(
-            "--crop-um", nargs=4, type=number, metavar=("LEFT", "RIGHT", "BOTTOM", "TOP"), help="keep this rectangle"
-        )
+        add_crop(parser)
     parser.add_argument("--tile", choices=TILINGS, default=default.tile, help="make opposite edges fit", **many)
     parser.add_argument(
         "--illuminant",
@@ -101,6 +122,58 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
         help=f"{', '.join(ILLUMINANTS)}, or a text file of two columns: wavelength in nm, relative power",
         **many,
     )
+
+
+def add_stuff(parser: argparse.ArgumentParser) -> None:
+    """--substrate, --film, --lacquer and --energy."""
+    parser.add_argument(
+        "--substrate",
+        metavar="MATERIAL",
+        help="what the surface is made of: a name such as Au or keratin, an index, n,k or a file; its reflectance goes"
+        " into the table",
+    )
+    parser.add_argument(
+        "--film",
+        action="append",
+        default=[],
+        metavar="MATERIAL:NM",
+        help="a film on it and its thickness; repeat it, outermost first; '(chitin:100,melanin:80)x12' repeats a group",
+    )
+    parser.add_argument("--lacquer", metavar="MATERIAL", help="a clear layer over the relief")
+    parser.add_argument(
+        "--energy",
+        choices=ENERGY,
+        default=BakeParameters().energy,
+        help="'capped' cuts each wavelength by its own excess inside the table; by default renderers divide",
+    )
+
+
+def stuff(args: argparse.Namespace) -> dict[str, Any]:
+    """Keyword arguments of `BakeParameters` that `add_stuff` collected; none where it was not asked."""
+    if "substrate" not in args:
+        return {}
+    from ..stack import material_of, parse_stack
+
+    lacquer = None if args.lacquer is None else material_of(args.lacquer)
+    return {"stack": parse_stack(args.substrate, args.film), "lacquer": lacquer, "energy": args.energy}
+
+
+def said_stuff(parameters: BakeParameters) -> dict[str, Any]:
+    """The same as `SpectralTable.stuff`, before there is a table."""
+    said: dict[str, Any] = {}
+    if parameters.stack is not None:
+        said = {"stack": str(parameters.stack), "notes": list(parameters.stack.notes)}
+    if parameters.lacquer is not None:
+        said["lacquer"] = {"material": parameters.lacquer.to_json(), "n": parameters.index}
+    return said
+
+
+def stuff_lines(result: dict[str, Any]) -> list[str]:
+    """What `SpectralTable.stuff` says, in words."""
+    lines = [f"R of {result['stack']} is inside"] if "stack" in result else []
+    if "lacquer" in result:
+        lines.append(f"under a lacquer of n = {result['lacquer']['n']:.4f}")
+    return lines
 
 
 def add_replicas(parser: argparse.ArgumentParser) -> None:
@@ -115,8 +188,8 @@ def bake_parameters(args: argparse.Namespace, **more: Any) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
     if "replicas" in args and args.ensemble == "periodic":
         more.setdefault("replicas", tuple(args.replicas))
-    crop = None if args.crop_um is None else tuple(x * 1e-6 for x in args.crop_um)
-    return BakeParameters(**{name: _si(args, key, factor) for name, key, factor in _FIELDS}, crop_m=crop, **more)
+    fields = {name: _si(args, key, factor) for name, key, factor in _FIELDS}
+    return BakeParameters(**fields, crop_m=crop(args), **stuff(args), **more)
 
 
 def parameter_values(args: argparse.Namespace) -> dict[str, list[Any]]:
@@ -186,6 +259,26 @@ def add_directions(parser: argparse.ArgumentParser) -> None:
             metavar=("THETA", "PHI"),
             help=f"direction towards the {target}: polar angle and azimuth in degrees",
         )
+
+
+def add_scaling(parser: argparse.ArgumentParser) -> None:
+    """--scale, --depth and --rotation of a painted surface."""
+    parser.add_argument("--scale", type=number, default=1.0, metavar="S", help="period over the one baked")
+    parser.add_argument("--depth", type=number, default=1.0, metavar="Q", help="depth over the one baked")
+    parser.add_argument("--rotation", type=number, default=0.0, metavar="A", help="degrees, from tangent to bitangent")
+
+
+def scaled(args: argparse.Namespace, table: SpectralTable) -> tuple[Any, dict[str, Any]]:
+    """The table as `add_scaling` says, and what the result must say about it."""
+    if (args.scale, args.depth, args.rotation) == (1.0, 1.0, 0.0):
+        return table, {}
+    from ..evaluate.scaled import ScaledTable
+
+    changed = ScaledTable(table, args.scale, args.depth, math.radians(args.rotation))
+    note: dict[str, Any] = {"scale": args.scale, "depth": args.depth, "rotation_deg": args.rotation}
+    if changed.beyond:
+        note["note"] = "A scale or depth above 1 passes the rim of the table, whose last values are taken there."
+    return changed, note
 
 
 def direction(angles_deg: list[float]) -> np.ndarray:

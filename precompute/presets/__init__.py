@@ -2,7 +2,8 @@
 """Structures for users without a microscope.
 
 ``PRESETS`` holds them by name with everything a command line or a panel needs; ``make_preset``
-builds one. A new preset is one more entry in the ``PRESETS`` tuple of a module listed below.
+builds one. A new preset is one more entry in the ``PRESETS`` tuple of a module listed below, and a line in
+``LOOKS``, the table of what suits each.
 """
 
 from __future__ import annotations
@@ -15,9 +16,10 @@ import numpy as np
 from ..errors import ParameterError, SizeLimitError
 from ..scan.heightfield import HeightField
 from . import bumps, discs, foils, gratings, morpho, snake
+from .looks import LOOKS, Look, look_of
 from .preset import Parameter, Preset
 
-__all__ = ["PRESETS", "Parameter", "Preset", "make_preset"]
+__all__ = ["LOOKS", "PRESETS", "Look", "Parameter", "Preset", "look_of", "make_preset"]
 
 PRESETS: dict[str, Preset] = {
     preset.name: preset for module in (snake, gratings, discs, foils, morpho, bumps) for preset in module.PRESETS

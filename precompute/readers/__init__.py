@@ -13,19 +13,26 @@ import os
 import struct
 import warnings
 import zlib
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
+from typing import Any
 
 import numpy as np
 
-from ..errors import DiffractionError, ScanError
+from ..errors import DiffractionError, ScanError, SizeLimitError
 from ..scan.heightfield import HeightField
 from .common.channel import Channel, Samples, choose_channel
-from .common.limits import LIMIT_FILE_BYTES
+from .common.limits import LIMIT_FILE_BYTES, LIMIT_FILE_BYTES_CROPPED, check_shape, while_cropping
+from .common.plausible import check_relief, check_side
 from .common.units import metres_per
+from .common.window import part
 from .formats import Format, find_format
 
-__all__ = ["channel_names", "read_scan"]
+__all__ = ["channel_names", "read_scan", "read_scan_or_part"]
+
+#: Beyond it squares of heights overflow in single precision.
+_LARGEST_HEIGHT_M = 1e12
 
 
 def read_scan(
@@ -33,6 +40,8 @@ def read_scan(
     size_m: tuple[float, float] | None = None,
     height_m: float | None = None,
     channel: str | None = None,
+    trust_units: bool = False,
+    crop_m: tuple[float, float, float, float] | None = None,
 ) -> HeightField:
     """Read the heights of a scan file.
 
@@ -49,25 +58,33 @@ def read_scan(
         heights carry no unit.
     channel
         Name or number of the channel; None chooses the height channel by unit and name.
+    trust_units
+        Take the file's own size and heights as they are, even sides above 10 mm and heights that
+        span more than 1 mm, which no microscope scans and which are refused otherwise.
+    crop_m
+        Left, right, bottom and top in metres from the left and from the bottom: only this part is
+        read, of a scan as large as it may be. ``metadata["cropped_m"]`` repeats it.
 
     Returns
     -------
     HeightField
         Heights in metres, row 0 at the bottom; missing points marked and NaN. ``metadata``
-        holds ``name``, ``sha256``, ``format``, ``channel``, ``unit``, ``channels`` and what else
-        the file tells; ``processing`` the user's scaling, if any.
+        holds ``name``, ``sha256``, ``format``, ``channel``, ``unit``, ``channels``, ``notes`` (one
+        sentence each on what was chosen or assumed) and what else the file tells; ``processing``
+        the user's scaling, if any.
 
     Raises
     ------
     ScanError
-        If the file is missing, empty, damaged, of an unknown format, or has no heights or size.
+        If the file is missing, empty, damaged, of an unknown format, has no heights or size, or
+        only such as come from a missing unit.
     SizeLimitError
         If it is larger than a reader may load.
     """
     path = Path(path)
     _check_user_scale(size_m, height_m)
-    before = _check_file(path)
-    with _Sentences(path):
+    before = _check_file(path, LIMIT_FILE_BYTES if crop_m is None else LIMIT_FILE_BYTES_CROPPED)
+    with _Sentences(path), while_cropping(crop_m is not None):
         digest = _sha256(path)
         form = find_format(path)
         if form.plain and (size_m is None or height_m is None):
@@ -77,12 +94,40 @@ def read_scan(
         channels = form.read(path)
         chosen = choose_channel(channels, channel, height_m is not None)
         samples = chosen.load()
-        field = _heightfield(path, form, channels, chosen, samples, size_m, height_m)
+        scale = _Scale(size_m, height_m, trust_units or samples.trusted)
+        field = _heightfield(path, form, channels, chosen, samples, scale, crop_m)
         after = path.stat()
         if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
             raise ScanError("The file changed while it was read; open it again.")
     field.metadata["sha256"] = digest
+    if channel is None and len(channels) > 1:
+        field.metadata["notes"].insert(0, f"channel {chosen.name} was chosen of {len(channels)}")
     return field
+
+
+def read_scan_or_part(
+    path: str | os.PathLike[str], crop_m: tuple[float, float, float, float] | None, **reading: Any
+) -> HeightField:
+    """A scan as :func:`read_scan` gives it; of one too large to be read whole only the part that will be kept.
+
+    Parameters
+    ----------
+    path, **reading
+        See :func:`read_scan`.
+    crop_m
+        The part; None where all is wanted.
+
+    Raises
+    ------
+    ScanError, SizeLimitError
+        As :func:`read_scan`.
+    """
+    try:
+        return read_scan(path, **reading)
+    except SizeLimitError:
+        if crop_m is None:
+            raise
+    return read_scan(path, crop_m=crop_m, **reading)
 
 
 def channel_names(path: str | os.PathLike[str]) -> list[str]:
@@ -106,7 +151,16 @@ def _check_user_scale(size_m: tuple[float, float] | None, height_m: float | None
         raise ScanError(f"The height range {height_m} m makes no sense; give a positive height.")
 
 
-def _check_file(path: Path) -> os.stat_result:
+@dataclass(frozen=True)
+class _Scale:
+    """What the user says of size and heights; ``trusted`` where the file's own need no question."""
+
+    size_m: tuple[float, float] | None
+    height_m: float | None
+    trusted: bool
+
+
+def _check_file(path: Path, limit: int = LIMIT_FILE_BYTES) -> os.stat_result:
     try:
         if path.is_dir():
             raise ScanError(f"'{path}' is a folder; choose a scan file in it.")
@@ -122,10 +176,10 @@ def _check_file(path: Path) -> os.stat_result:
         raise ScanError(f"Cannot open '{path}' ({reason}); check its name and permissions.") from error
     if status.st_size == 0:
         raise ScanError(f"'{path.name}' is empty; copy or export it again.")
-    if status.st_size > LIMIT_FILE_BYTES:
-        raise ScanError(
-            f"'{path.name}' has {status.st_size >> 20} MB, above the limit of {LIMIT_FILE_BYTES >> 20} MB; "
-            "export the height channel alone."
+    if status.st_size > limit:
+        raise SizeLimitError(
+            f"'{path.name}' has {status.st_size >> 20} MB, above the limit of {limit >> 20} MB; "
+            "read a part of it with --crop-um LEFT RIGHT BOTTOM TOP, or export the height channel alone."
         )
     return status
 
@@ -141,19 +195,15 @@ def _heightfield(
     channels: list[Channel],
     chosen: Channel,
     samples: Samples,
-    size_m: tuple[float, float] | None,
-    height_m: float | None,
+    scale: _Scale,
+    crop_m: tuple[float, float, float, float] | None,
 ) -> HeightField:
-    values = np.array(samples.values, dtype=np.float64)
-    if values.ndim != 2 or min(values.shape) < 2:
-        raise ScanError(f"The scan has the shape {values.shape}; a heightfield needs at least 2 x 2 pixels.")
-    missing = np.zeros(values.shape, bool) if samples.missing is None else np.array(samples.missing, bool)
-    if missing.all():
-        raise ScanError("The scan holds no valid height at all; choose another channel or file.")
-    if not np.isfinite(values[~missing]).all():
-        raise ScanError("The scan holds infinite or undefined heights; export it again with them marked as missing.")
-
+    shape = samples.values.shape
+    if samples.values.ndim != 2 or min(shape) < 2:
+        raise ScanError(f"The scan has the shape {shape}; a heightfield needs at least 2 x 2 pixels.")
+    notes = list(samples.notes)
     steps = []
+    size_m = scale.size_m
     if size_m is not None:
         if samples.size_m is not None:
             steps.append({"step": "set size", "size_m": [float(s) for s in size_m], "before_m": list(samples.size_m)})
@@ -161,10 +211,25 @@ def _heightfield(
         size_m = samples.size_m
         if not all(np.isfinite(size) and size > 0 for size in size_m):
             raise ScanError(f"The file gives the size {size_m[0]:g} m x {size_m[1]:g} m; give it with --size-um X Y.")
+        if not scale.trusted:
+            check_side(size_m)
     else:
         raise ScanError("The file carries no size; give its side lengths, e.g. --size-um 65 65.")
+    values, missing, crop_steps = _wanted(samples, size_m, crop_m)
+    if missing.all():
+        raise ScanError("The scan holds no valid height at all; choose another channel or file.")
+    if not np.isfinite(values[~missing]).all():
+        raise ScanError("The scan holds infinite or undefined heights; export it again with them marked as missing.")
 
-    values *= _metres_per_value(chosen, samples, values, missing, height_m, steps)
+    factor = _metres_per_value(chosen, samples, values, missing, scale.height_m, steps)
+    with np.errstate(over="ignore"):
+        values *= factor
+    valid = values[~missing]
+    relief = float(valid.max()) - float(valid.min())
+    if scale.height_m is None and not scale.trusted:
+        check_relief(relief)
+    if not np.isfinite(relief) or max(abs(float(valid.max())), abs(float(valid.min()))) > _LARGEST_HEIGHT_M:
+        raise ScanError("The heights are too large to be computed with; check their unit and export the scan again.")
     values[missing] = np.nan
     metadata = {
         **samples.metadata,
@@ -173,18 +238,38 @@ def _heightfield(
         "channel": chosen.name,
         "unit": chosen.unit,
         "channels": [channel.label for channel in channels],
+        "notes": notes,
     }
+    if crop_m is not None:
+        metadata["cropped_m"] = [float(side) for side in crop_m]
     earlier = metadata.pop("stored_processing", [])
     if isinstance(earlier, list):
         steps = [step for step in earlier if isinstance(step, dict)] + steps
     return HeightField(
         values,
-        float(size_m[0]) / values.shape[1],
-        float(size_m[1]) / values.shape[0],
+        float(size_m[0]) / shape[1],
+        float(size_m[1]) / shape[0],
         missing,
         metadata,
-        tuple(steps),
+        (*steps, *crop_steps),
     )
+
+
+def _wanted(
+    samples: Samples, size_m: tuple[float, float], crop_m: tuple[float, float, float, float] | None
+) -> tuple[np.ndarray, np.ndarray, list[dict]]:
+    """Values and missing points of the part that is wanted, as arrays of their own, and its step."""
+    raw, marked, steps = samples.values, samples.missing, []
+    if crop_m is not None:
+        index, step = part(crop_m, raw.shape, size_m)
+        raw, marked, steps = raw[index], None if marked is None else marked[index], [step]
+        with while_cropping(False):
+            check_shape(*raw.shape)
+    values = np.array(raw if samples.decode is None else samples.decode(np.asarray(raw)), dtype=np.float64)
+    missing = np.zeros(values.shape, bool) if marked is None else np.array(marked, bool)
+    if samples.decode is not None:
+        missing |= np.isnan(values)
+    return values, missing, steps
 
 
 def _metres_per_value(
@@ -209,6 +294,8 @@ def _metres_per_value(
     low, high = float(valid.min()), float(valid.max())
     if not high > low:
         return 1.0 if low == 0 else 0.0
+    if not np.isfinite(high - low):
+        raise ScanError("The heights are too large to be computed with; export the scan again.")
     steps.append({"step": "set height", "height_m": float(height_m), "range_before": [low, high]})
     return height_m / (high - low)
 

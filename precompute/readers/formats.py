@@ -80,12 +80,21 @@ def _is_x3p(path: Path, head: bytes) -> bool:
     return path.suffix.lower() == ".x3p"
 
 
+def _is_points(path: Path, head: bytes) -> bool:
+    # The ending belongs to chemists' files too, so the content must be text at least.
+    return path.suffix.lower() == ".xyz" and b"\0" not in head
+
+
 #: Most specific first: a Park TIFF is also a plain TIFF.
 FORMATS: tuple[Format, ...] = (
     Format("gsf", (".gsf",), "plain.gsf", "read_gsf", (b"Gwyddion Simple Field 1.0\n",)),
     Format("gwy", (".gwy",), "plain.gwy", "read_gwy", (b"GWYO", b"GWYP")),
     Format(
-        "nanoscope", (".spm", ".di", ".001"), "probe.nanoscope", "read_nanoscope", (b"\\*File list", b"?*File list")
+        "nanoscope",
+        (".spm", ".di", ".001"),
+        "probe.nanoscope",
+        "read_nanoscope",
+        (b"\\*File list", b"\\*EC File list", b"?*File list", b"\\*Force file list"),
     ),
     Format("igor", (".ibw",), "probe.igor", "read_ibw"),
     Format("x3p", (".x3p",), "optical.x3p", "read_x3p", (b"PK\x03\x04",), _is_x3p),
@@ -94,8 +103,14 @@ FORMATS: tuple[Format, ...] = (
     Format("jpk", (".jpk",), "probe.jpk", "read_jpk", (b"II*\0", b"MM\0*"), _is_jpk),
     Format("wsxm", (".stp", ".top", ".cur", ".tom"), "probe.wsxm", "read_wsxm", (b"WSxM file copyright",), _is_wsxm),
     Format("nanonis", (".sxm",), "probe.nanonis", "read_sxm", (b":NANONIS_VERSION:",)),
-    Format("sur", (".sur",), "optical.digital_surf", "read_sur", (b"DIGITAL SURF", b"DSCOMPRESSED")),
-    Format("sdf", (".sdf",), "optical.sdf", "read_sdf", (b"aISO-1.0", b"bISO-1.0")),
+    Format("sur", (".sur", ".pro"), "optical.digital_surf", "read_sur", (b"DIGITAL SURF", b"DSCOMPRESSED")),
+    Format(
+        "sdf",
+        (".sdf",),
+        "optical.sdf",
+        "read_sdf",
+        tuple(f"{kind}{name}".encode() for kind in "abAB" for name in ("ISO-1.0", "ISO-2.0", "BCR-1.0")),
+    ),
     Format("opd", (".opd",), "optical.opd", "read_opd", (), _is_opd),
     Format("plu", (".plu", ".apx"), "optical.plu", "read_plu"),
     Format("exr", (".exr",), "plain.image", "read_exr", (b"\x76\x2f\x31\x01",), plain=True),
@@ -103,6 +118,7 @@ FORMATS: tuple[Format, ...] = (
     Format("jpeg", (".jpg", ".jpeg"), "plain.image", "read_png", (b"\xff\xd8\xff",), plain=True),
     Format("bmp", (".bmp",), "plain.image", "read_png", (b"BM",), plain=True),
     Format("tiff", (".tif", ".tiff"), "plain.image", "read_tiff", (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"), plain=True),
+    Format("text", (), "plain.text", "read_text", claims=_is_points),
     Format("text", (".txt", ".csv", ".tsv", ".dat", ".asc", ".ascii", ".text"), "plain.text", "read_text"),
 )
 
@@ -126,5 +142,5 @@ def find_format(path: Path) -> Format:
             if form.magic or form.claims:
                 raise ScanError(f"The name says {extension} but the content does not; check the file or its extension.")
             return form
-    known = " ".join(sorted({extension for form in FORMATS for extension in form.extensions}))
-    raise ScanError(f"The format is not known; supported are {known}.")
+    known = " ".join(sorted({extension[1:] for form in FORMATS for extension in form.extensions}))
+    raise ScanError(f"The format is not known; supported are {known}; open the file in Gwyddion and export it as .gsf.")

@@ -58,8 +58,8 @@ def crop(
         If fewer than 2 x 2 pixels are left.
     """
     rows, cols = field.shape
-    left, right = _pixels(x_m, field.dx, cols, "x")
-    bottom, top = _pixels(y_m, field.dy, rows, "y")
+    left, right = crop_pixels(x_m, field.dx, cols, "x")
+    bottom, top = crop_pixels(y_m, field.dy, rows, "y")
     if (left, right, bottom, top) == (0, cols, 0, rows):
         return field
     step = {"step": "crop", "cols": [left, right], "rows": [bottom, top]}
@@ -68,8 +68,14 @@ def crop(
     )
 
 
-def _pixels(limits_m: tuple[float, float] | None, step_m: float, count: int, name: str) -> tuple[int, int]:
-    """First pixel and the one behind the last whose centres ``(i + 1/2) step`` lie within the limits."""
+def crop_pixels(limits_m: tuple[float, float] | None, step_m: float, count: int, name: str) -> tuple[int, int]:
+    """First pixel and the one behind the last whose centres ``(i + 1/2) step`` lie within the limits.
+
+    Raises
+    ------
+    ParameterError
+        If the limits make no sense or fewer than two pixels are left.
+    """
     if limits_m is None:
         return 0, count
     low, high = limits_m

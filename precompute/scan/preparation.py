@@ -40,7 +40,8 @@ def prepare(field: HeightField, parameters: BakeParameters) -> HeightField:
     ParameterError
         If the crop leaves nothing, the smoothing is wider than the patch, or there is no period to crop to.
     """
-    if parameters.crop_m is not None:
+    # A scan too large to read whole was cropped while it was read.
+    if parameters.crop_m is not None and field.metadata.get("cropped_m") != list(parameters.crop_m):
         left, right, bottom, top = parameters.crop_m
         field = crop(field, (left, right), (bottom, top))
     field = level(field, parameters.level)

@@ -30,7 +30,11 @@ THETA_LAST = np.radians(89.5)
 
 
 def albedo_map(
-    texels: np.ndarray, layout: TableLayout, white: np.ndarray, progress: Callable[[float], None] | None = None
+    texels: np.ndarray,
+    layout: TableLayout,
+    white: np.ndarray,
+    progress: Callable[[float], None] | None = None,
+    index: float = 1.0,
 ) -> np.ndarray:
     """Albedo on the grid of the albedo tile.
 
@@ -38,23 +42,29 @@ def albedo_map(
     ----------
     texels
         ``(n_r, n_w, 3, n_phi)`` the table's nodes, ``T / |w|^power`` in XYZ, which the renderer interpolates
-        linearly in column, row and slice; the quadrature integrates that interpolant.
+        linearly in column, row and slice; the quadrature integrates that interpolant. Or what `sector_means` made of
+        them.
     layout
         The table's coordinates.
     white
         ``(3,)`` XYZ of the illuminant with Y = 1.
     progress
         Called with the fraction done.
+    index
+        Refractive index n of a lacquer over the relief. Inside it ``sin' = sin / n``, ``w' = n (cos_i' + cos_r')`` and
+        ``du dv = n^2 cos_i' dwi'``, so that the part of the light that leaves again is the same integral over the
+        same (u, v) with the cosines of the inside and ``w'/n``.
 
     Returns
     -------
     ndarray
         ``(n_albedo_phi, n_theta)``; the largest of X, Y and Z relative to white.
     """
-    from scipy.fft import rfft
+    from numpy.fft import rfft
 
     sectors = min(SECTORS, layout.n_phi)
-    spectrum = rfft(_sector_means(texels, sectors).astype(np.float32), axis=-1)  # (n_r, n_w, 3, m)
+    means = texels if texels.shape[-1] == sectors else sector_means(texels, sectors)
+    spectrum = rfft(means.astype(np.float32), axis=-1)  # (n_r, n_w, 3, m)
     radii = layout.radii
     edges = np.concatenate([[0.0], 0.5 * (radii[1:] + radii[:-1]), [radii[-1]]])
     area = (_hat_areas(radii) * (2.0 * np.pi / sectors))[:, None]
@@ -74,13 +84,16 @@ def albedo_map(
         sin_r, cos_r = np.sin(theta), np.cos(theta)
         rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
         inside = np.minimum(rho, 1.0)
-        cos_i = np.sqrt(1.0 - inside**2)
+        cos_i = np.sqrt(1.0 - (inside / index) ** 2)
         # 1 / cos_i is integrable but infinite on the rim: its mean over the cell's extent in rho.
         inverse_cos = np.arcsin(np.minimum(rho + half_extent, 1.0)) - np.arcsin(np.clip(rho - half_extent, -1.0, 1.0))
         inverse_cos /= 2.0 * half_extent
-        w = cos_i + cos_r
-        # wi.wr + 1 = |wi + wr|^2 / 2 = (r^2 + w^2) / 2
-        weight = (0.5 * (r**2 + w**2)) ** 2 / (cos_r * w**2) * inverse_cos * area
+        if index > 1.0:  # no infinity: what lies outside the horizon is left out
+            cos_r = np.sqrt(1.0 - (sin_r / index) ** 2)
+            inverse_cos = np.clip(0.5 + (1.0 - rho) / (2.0 * half_extent), 0.0, 1.0) / cos_i
+        w = index * (cos_i + cos_r)
+        # wi.wr + 1 = |wi + wr|^2 / 2 = (r^2 + w^2) / 2, inside a lacquer with r / n and w / n
+        weight = (0.5 * (r**2 + w**2) / index**2) ** 2 / (cos_r * (w / index) ** 2) * inverse_cos * area
         position = layout.slice_coordinate(w)
         lower = np.minimum(position.astype(int), layout.n_w - 2)
         blend = position - lower
@@ -111,7 +124,7 @@ def _hat_areas(radii: np.ndarray) -> np.ndarray:
     return areas
 
 
-def _sector_means(texels: np.ndarray, sectors: int) -> np.ndarray:
+def sector_means(texels: np.ndarray, sectors: int) -> np.ndarray:
     """Means over ``sectors`` equal sectors that start at phi = 0; row j of the table stands for its own angle."""
     n_phi = texels.shape[-1]
     cumulative = np.concatenate([np.zeros((*texels.shape[:-1], 1)), np.cumsum(texels, -1, dtype=np.float64)], -1)

@@ -174,7 +174,7 @@ def albedo_free_cosine(table: SpectralTable) -> float:
     0 where none passes 1 at all, more than 1 where that happens straight above already.
     """
     layout = table.layout
-    first = layout.albedo_y + 1
+    first = layout.conserving_y + 1
     above = (table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0] > 1.0).any(axis=0)
     if not above.any():
         return 0.0
@@ -256,7 +256,7 @@ def _masses(table: SpectralTable, tiles: np.ndarray, i: int):
     place = lower * stride + left
     flat = tiles.reshape(-1)
 
-    first = layout.albedo_y + 1
+    first = layout.conserving_y + 1
     albedo = np.maximum(table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0].astype(np.float32), 1.0)
     polar = np.rint(np.arccos(np.minimum(cos_i, 1.0)) * ((layout.n_theta - 1) / (0.5 * np.pi))).astype(int)
     # Azimuth of wi relative to the viewer's, in rows of the albedo.

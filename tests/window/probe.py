@@ -5,6 +5,10 @@ A button is found as a user finds it, by pointing at it. Blender then tells what
 *Copy Python Command* for the button of an operator and *Copy Full Data Path* for that of a property.
 """
 
+import json
+import re
+import sys
+
 import bpy
 
 
@@ -22,6 +26,11 @@ def region(kind="VIEW_3D", name="UI", number=0):
 
 def within(kind="VIEW_3D", name="UI", number=0):
     return bpy.context.temp_override(window=window(number), area=area(kind, number), region=region(kind, name, number))
+
+
+def anywhere():
+    """A context with a window, for operators that need one."""
+    return bpy.context.temp_override(window=window())
 
 
 def rectangle(kind="VIEW_3D", name="UI", number=0):
@@ -60,3 +69,83 @@ def show_tab(name="Diffraction", number=0):
     """The sidebar's tab, as a click on it would choose it."""
     area("VIEW_3D", number).spaces.active.show_region_ui = True
     region("VIEW_3D", "UI", number).active_panel_category = name
+
+
+_sweep = {"todo": [], "at": None, "found": [], "where": (), "until": "", "waits": 0}
+
+
+def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.72):
+    """Where to point in a region: from top to bottom, or from a height outwards."""
+    left, bottom, width, height = rectangle(kind, name, number)
+    rows = list(range(bottom + height - 12, bottom + 4, -step))
+    if begin is not None:
+        rows = [begin, *sorted(rows, key=lambda y: abs(y - begin))]
+    return [(left + int(width * share), y) for y in rows]
+
+
+def sweep(kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+    """Point at a region, till something is found whose text matches a pattern; `swept` tells what was."""
+    _sweep.update(
+        todo=places(kind, name, number, begin), at=None, found=[], where=(kind, name, number), until=until, waits=0
+    )  # fmt: skip
+    bpy.app.timers.register(_sweep_on, first_interval=0.01)
+
+
+def _sweep_on():
+    if _sweep["waits"] > 0:  # Blender leaves the last button in one turn of its loop, and takes up the next in another
+        _sweep["waits"] -= 1
+        return 0.012
+    if _sweep["at"] is not None:
+        text = under(*_sweep["where"])
+        if text:
+            _sweep["found"].append([text, *_sweep["at"]])
+            if _sweep["until"] and re.search(_sweep["until"], text):
+                return None
+    _sweep["at"] = _sweep["todo"].pop(0) if _sweep["todo"] else None
+    if _sweep["at"] is None:
+        return None
+    send("MOUSEMOVE", "NOTHING", *_sweep["at"], number=_sweep["where"][2])
+    _sweep["waits"] = 2
+    return 0.012
+
+
+def swept():
+    """Commands and data paths with their places, as JSON; empty while the mouse still moves."""
+    return "" if bpy.app.timers.is_registered(_sweep_on) else json.dumps(_sweep["found"])
+
+
+_drawn = set()
+
+
+def watch_panels():
+    """Note which panels draw their bodies: those that are open."""
+    for name in dir(bpy.types):
+        cls = getattr(bpy.types, name)
+        if name.startswith("DIFFRACTION_PT_") and not hasattr(cls.draw, "watched"):
+            cls.draw = _watched(name, cls.draw)
+
+
+def _watched(name, draw):
+    def draw_and_note(self, context):
+        _drawn.add(name)
+        return draw(self, context)
+
+    draw_and_note.watched = True
+    return draw_and_note
+
+
+def drawn():
+    """Panels that have drawn since the last call."""
+    found = sorted(_drawn)
+    _drawn.clear()
+    return json.dumps(found)
+
+
+def addon(name):
+    """A module of the extension, by the end of its name."""
+    return next(module for key, module in sys.modules.items() if key.endswith(f"diffraction_shader.addon.{name}"))
+
+
+def busy():
+    """Whether the extension computes something."""
+    return addon("jobs.progress").running() is not None

@@ -96,7 +96,8 @@ def task_ffts(scan, reading, out):
     """Only the transforms that the bake's nodes need, full size and nothing around them."""
     from scipy.fft import fft2, irfft2, rfft2
 
-    from precompute.bake.intensity import PolarIntensity, workers
+    from precompute.bake.intensity import PolarIntensity
+    from precompute.bake.transforms import workers
     from precompute.bake.window import default_sigma_s
     from precompute.parameters import BakeParameters
     from precompute.readers import read_scan

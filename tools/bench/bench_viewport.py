@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measure the viewport: milliseconds a frame by the table and by the thesis's own method, on the same GPU context.
 
-`bench_viewport.py [--scan FILE --size-um X Y --height-nm H] [--size PIXELS] [--directions N] [--no-scene]`
+`bench_viewport.py [--scan FILE --size-um X Y --height-nm H] [--size PIXELS] [--directions N] [--no-scene] [--no-cost]`
 
-A full-screen triangle shades every pixel with one light: by the table, and by FLSS with 79 wavelengths, the Taylor
-terms that the heights need, and a window of 3 x 3 bins. Both are held against the reference evaluator at random pixels.
-The result is merged into out/bench.json under "viewport".
+A full-screen triangle shades every pixel with one light: by the table, by a shader of one fetch, and by FLSS with 79
+wavelengths, the Taylor terms that the heights need, and a window of 3 x 3 bins, as it stood at commit f889080. Both are
+held against the reference evaluator at random pixels. Then the sample scene, and what a mesh that deforms and 300
+objects add to a redraw, beside a floor (viewport_cost.py). On a software renderer all times are of the processor, all
+threads together: other work on the machine hardly changes them. The result is merged into out/bench.json under
+"viewport".
 """
 
 import argparse
@@ -17,9 +20,19 @@ import time
 from pathlib import Path
 
 import numpy as np
+import viewport_cost
+import viewport_flss
 
 ROOT = Path(__file__).resolve().parents[2]
 XENOPELTIS = "xenopeltis_65um_818.69nm.png"
+
+#: One fetch of the table a pixel, and all blocks in use.
+ONE_FETCH = """
+void main()
+{
+    out_colour = textureLod(df_table, vec3(0.5 * place + 0.5, 3.0), 0.0) + 1e-30 * df_light * df_surface.value.x;
+}
+"""
 
 #: Part of the disc of view directions that the frame shows: its corners stay above the horizon.
 INSCRIBED = 0.7
@@ -57,49 +70,68 @@ def find_scan(arguments, folder):
     return path, {}
 
 
+def clock():
+    """Seconds: of the processor where a software renderer draws, else of the wall."""
+    import gpu
+
+    return time.process_time() if "llvmpipe" in gpu.platform.renderer_get() else time.perf_counter()
+
+
 class FullScreen:
     """A triangle over the whole frame, shaded by one of the methods."""
 
-    def __init__(self, table, series, look, size):
+    def __init__(self, table, albedo, series, look, size):
         import gpu
-        from diffraction_shader.addon.viewport.data import blocks
+        from diffraction_shader.addon.viewport.data import blocks, sources
 
         self.size = size
-        self.table, self.series = table, series
         self.target = gpu.types.GPUOffScreen(size, size, format="RGBA32F")
         no_lamps = np.zeros((0, 6, 4))
         self.frame = blocks.uniform(blocks.Frame(np.eye(4), np.eye(4), no_lamps).rows())
-        self.surface = blocks.uniform(look.rows())
+        recorded = viewport_flss.surface_rows(table.layout, look.to_rgb, look.conserve_energy)
+        self.surfaces = {"FLSS": blocks.uniform(recorded)}
+        self.surfaces["TABLE"] = self.surfaces["ONE_FETCH"] = blocks.uniform(look.rows())
+        samplers = {"df_table": table.slices, "df_albedo": table.albedo}
+        self.samplers = {
+            "TABLE": samplers,
+            "ONE_FETCH": {"df_table": table.slices},
+            "FLSS": {**samplers, "df_albedo": albedo, "df_terms": series.terms},
+        }
+        self.series = series.uniform
+        flags = frozenset(look.flags(ambient=False) & {"CONSERVE", "LINEAR_IN_W"})
+        self.shaders = {
+            "TABLE": sources.map_of_directions("TABLE", flags),
+            "ONE_FETCH": sources.map_of_directions("TABLE", flags - {"CONSERVE"}, ONE_FETCH),
+            "FLSS": viewport_flss.map_shader(),
+        }
         self.batches = {}
 
     def draw(self, method, light, show_transform=False, times=1):
         """Draw and wait; returns pixels (size, size, 4) and seconds a frame."""
         import gpu
         from diffraction_shader.addon.viewport import offscreen
-        from diffraction_shader.addon.viewport.data import sources
         from gpu_extras.batch import batch_for_shader
 
-        shader = sources.map_of_directions(method)
+        shader = self.shaders[method]
         corners = {"pos": [(-1, -1), (3, -1), (-1, 3)]}
         batch = self.batches.setdefault(method, batch_for_shader(shader, "TRIS", corners))
         with self.target.bind():
             shader.bind()
             shader.uniform_block("df_frame", self.frame)
-            shader.uniform_block("df_surface", self.surface)
-            shader.uniform_sampler("df_table", self.table.slices)
-            shader.uniform_sampler("df_albedo", self.table.albedo)
+            shader.uniform_block("df_surface", self.surfaces[method])
+            for name, texture in self.samplers[method].items():
+                shader.uniform_sampler(name, texture)
             shader.uniform_float("df_light", (*light, float(show_transform)))
             shader.uniform_float("df_reach", INSCRIBED)
             if method == "FLSS":
-                shader.uniform_block("df_series", self.series.uniform)
-                shader.uniform_sampler("df_terms", self.series.terms)
+                shader.uniform_block("df_series", self.series)
             gpu.state.blend_set("NONE")
             offscreen.read(self.target)  # all that was asked for before is done
-            start = time.perf_counter()
+            start = clock()
             for _ in range(times):
                 batch.draw(shader)
             pixels = offscreen.read(self.target)
-            seconds = (time.perf_counter() - start) / times
+            seconds = (clock() - start) / times
         return pixels, seconds
 
 
@@ -124,6 +156,7 @@ def scene_milliseconds(table_path, size):
     import bpy
     from diffraction_shader.addon.materials import material
     from diffraction_shader.addon.viewport import handlers, looks, offscreen
+    from mathutils import Matrix
 
     sys.path.insert(0, str(ROOT / "sample_blend"))
     import build_scene
@@ -136,31 +169,81 @@ def scene_milliseconds(table_path, size):
 
     scene = bpy.context.scene
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    view = scene.camera.matrix_world.normalized().inverted()
-    projection = scene.camera.calc_matrix_camera(depsgraph, x=size, y=size)
+    view = np.array(scene.camera.matrix_world.normalized().inverted())
+    projection = np.array(scene.camera.calc_matrix_camera(depsgraph, x=size, y=size))
     target = gpu.types.GPUOffScreen(size, size, format="RGBA32F")
     # As in an open view, the scene's depth is there before: what it hides is not shaded.
     with offscreen.view_3d() as override, bpy.context.temp_override(**override):
         override["space_data"].shading.type = "SOLID"
         override["space_data"].overlay.show_overlays = False
         layer, space, region = bpy.context.view_layer, override["space_data"], override["region"]
-        target.draw_view3d(scene, layer, space, region, view, projection)
-    result = {}
-    for method, counts in (("TABLE", (1, 5)), ("FLSS", (1,))):
-        look = looks.View(method=method, points=1)
-        for count in counts:
-            with target.bind():
-                offscreen.read(target)
-                start = time.perf_counter()
-                for _ in range(count):
-                    handlers.renderer.draw(
-                        depsgraph, np.array(view), np.array(projection), look, False, lambda ob: True
-                    )
-                offscreen.read(target)
-                result[method] = 1e3 * (time.perf_counter() - start) / count
+        target.draw_view3d(scene, layer, space, region, Matrix(view), Matrix(projection))
+
+    def by_table():
+        handlers.renderer.draw(depsgraph, view, projection, looks.View(points=1), False, lambda ob: True)
         if handlers.renderer.message:
             sys.exit(handlers.renderer.message)
+
+    result = {}
+    with target.bind():
+        by_table()
+        by_flss = recorded_scene(handlers.renderer, depsgraph, view, projection)
+        for name, draw, times, rounds in (("TABLE", by_table, 5, 5), ("FLSS", by_flss, 1, 1)):
+            draw()
+            seconds = []
+            for _ in range(rounds):
+                offscreen.read(target)
+                start = clock()
+                for _ in range(times):
+                    draw()
+                offscreen.read(target)
+                seconds.append((clock() - start) / times)
+            result[name] = 1e3 * float(np.median(seconds))
     return result
+
+
+def recorded_scene(renderer, depsgraph, view, projection):
+    """A function that draws what the renderer has in its list by the recorded FLSS."""
+    import gpu
+    from diffraction_shader.addon.viewport import looks
+    from diffraction_shader.addon.viewport.data import blocks
+    from diffraction_shader.precompute.light.colour import xyz_to_rgb_matrix
+    from diffraction_shader.precompute.table.table import SpectralTable
+
+    listing = renderer._listing(depsgraph, lambda ob: True, 0, False)
+    shader = viewport_flss.surface_shader()
+    frame = blocks.uniform(viewport_flss.frame_rows(view, projection, listing.lamps))
+    held = {}
+    for item in listing.items:
+        path = looks.table_path(item.material)
+        if path not in held:
+            table = renderer.tables.get(path)
+            rows = viewport_flss.surface_rows(
+                table.layout, xyz_to_rgb_matrix(), table.info["albedo_max"] > 1.0, fresnel=1.0
+            )
+            albedo = viewport_flss.albedo_texture(SpectralTable.load(path))
+            held[path] = blocks.uniform(rows), table, albedo, renderer.series.get(path, table.info)
+
+    def draw():
+        gpu.state.blend_set("ADDITIVE")
+        gpu.state.depth_test_set("LESS_EQUAL")
+        gpu.state.depth_mask_set(False)
+        shader.bind()
+        shader.uniform_block("df_frame", frame)
+        shader.uniform_sampler("df_display", renderer.display.any())
+        for item in listing.items:
+            rows, table, albedo, series = held[looks.table_path(item.material)]
+            shader.uniform_block("df_surface", rows)
+            shader.uniform_block("df_series", series.uniform)
+            for name, texture in (("df_table", table.slices), ("df_albedo", albedo), ("df_angle", albedo),
+                                  ("df_terms", series.terms)):  # fmt: skip
+                shader.uniform_sampler(name, texture)
+            shader.uniform_float("df_model", item.matrix)
+            item.batch.draw(shader)
+        gpu.state.depth_test_set("NONE")
+        gpu.state.blend_set("NONE")
+
+    return draw
 
 
 def merge(path, viewport):
@@ -181,6 +264,7 @@ def main():
     parser.add_argument("--size", type=int, default=256)
     parser.add_argument("--directions", type=int, default=6)
     parser.add_argument("--no-scene", action="store_true")
+    parser.add_argument("--no-cost", action="store_true")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         numbers = measure(arguments, Path(folder))
@@ -210,25 +294,35 @@ def measure(arguments, folder):
     look = blocks.Surface(
         layout=table.layout, to_rgb=xyz_to_rgb_matrix(), conserve_energy=report.table.albedo_max > 1.0
     )
-    screen = FullScreen(table, terms, look, arguments.size)
+    albedo = viewport_flss.albedo_texture(report.table)
+    screen = FullScreen(table, albedo, terms, look, arguments.size)
     light = tuple(np.array([0.3, 0.2, 1.0]) / np.linalg.norm([0.3, 0.2, 1.0]))
     layout = table.layout
     print(f"{scan.name} on {gpu.platform.renderer_get()}, {arguments.size} x {arguments.size} pixels")
     print(f"  table {layout.n_r} x {layout.n_phi} x {layout.n_w}, FLSS {report.table.info['terms']} terms")
 
-    screen.draw("TABLE", light)
-    table_ms = 1e3 * float(np.median([screen.draw("TABLE", light, times=10)[1] for _ in range(5)]))
+    rounds = {"TABLE": [], "ONE_FETCH": []}
+    for _ in range(6):
+        for method, seconds in rounds.items():
+            seconds.append(screen.draw(method, light, times=10)[1])
+    table_ms, fetch_ms = (1e3 * float(np.median(seconds[1:])) for seconds in rounds.values())
     flss_ms = 1e3 * screen.draw("FLSS", light)[1]
     numbers = {
         "size": arguments.size,
         "renderer": gpu.platform.renderer_get(),
         "terms": report.table.info["terms"],
         "table_ms": table_ms,
+        "one_fetch_ms": fetch_ms,
         "flss_ms": flss_ms,
+        "table_over_one_fetch": table_ms / fetch_ms,
         "flss_over_table": flss_ms / table_ms,
     }
     print(
         f"  full screen: table {table_ms:.2f} ms, FLSS {flss_ms:.0f} ms a frame: {flss_ms / table_ms:.0f} times faster"
+    )
+    print(
+        f"  the same triangle with one fetch a pixel: {fetch_ms:.2f} ms;"
+        f" the table takes {table_ms / fetch_ms:.2f} times that"
     )
     if arguments.directions:
         random = np.random.default_rng(1)
@@ -253,6 +347,8 @@ def measure(arguments, folder):
             f"  snake scene: table {scene['TABLE']:.1f} ms, FLSS {scene['FLSS']:.0f} ms a frame:"
             f" {scene['FLSS'] / scene['TABLE']:.0f} times faster"
         )
+    if not arguments.no_cost:
+        numbers.update(viewport_cost.measure(report.path, clock))
     return numbers
 
 

@@ -32,6 +32,16 @@ def preset_pictures():
     )
 
 
+def house_picture():
+    """The wings on their floors."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs" / "house_picture.py"], check=True)
+
+
+def paint_picture():
+    """Recipes of grating paint."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs" / "paint_pictures.py"], check=True)
+
+
 def viewport_picture():
     """Cycles, the viewport and FLSS side by side."""
     subprocess.run([sys.executable, ROOT / "tools" / "docs" / "viewport_pictures.py", "--out", PICTURES], check=True)
@@ -63,8 +73,10 @@ def guide():
 
 def main():
     PICTURES.mkdir(parents=True, exist_ok=True)
+    house_picture()
     demo_pictures()
     preset_pictures()
+    paint_picture()
     guide()
     gallery()
     viewport_picture()

@@ -60,7 +60,7 @@ def page(bpy):
     """The whole page as text; the add-on is registered."""
     from diffraction_shader.addon import operators
     from diffraction_shader.addon.viewport import operator as viewport_operator
-    from diffraction_shader.precompute.presets import PRESETS
+    from diffraction_shader.precompute.presets import PRESETS, look_of
 
     scene = bpy.context.scene
     parts = [HEAD]
@@ -78,7 +78,7 @@ def page(bpy):
         rows = table(group[p.name] for p in preset.parameters) if preset.parameters else "No parameters.\n"
         parts.append(
             f"### `{preset.name}`: {preset.label}\n\n{preset.description} {preset.size_um:g} um,"
-            f" {preset.pixels} pixels a side.\n\n{rows}"
+            f" {preset.pixels} pixels a side. Look: {look_of(preset.name).summary()}.\n\n{rows}"
         )
     parts.append("## Operators\n\nEach is `bpy.ops.NAME(...)`.\n")
     for cls in (*operators.CLASSES, *viewport_operator.CLASSES):

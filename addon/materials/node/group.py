@@ -63,7 +63,7 @@ def _find(tree: bpy.types.NodeTree, seen: set[bpy.types.NodeTree]) -> Iterator[b
             yield from _find(node.node_tree, seen)
 
 
-def owner(material: bpy.types.Material) -> bpy.types.ID | None:
+def owner(material: bpy.types.Material) -> Any:
     """What knows a material's table: the group of its node, or the material itself if version 0.1.0 made it."""
     node = find(material.node_tree)
     if node is not None:
@@ -120,19 +120,17 @@ def build(
     )
     made_from = [sidecar["atlas"]["sha256"], source, light, sidecar["layout"]]
     stamp = hashlib.sha256(json.dumps(made_from, sort_keys=True).encode()).hexdigest()
-    tree = _existing(image, implementation, variant)
-    if tree is None or tree[keys.STAMP] != stamp:
-        fresh = tree is None
-        if fresh:
-            tree = bpy.data.node_groups.new(f"Diffraction {stem}", "ShaderNodeTree")
-            interface.make(tree)
+    found = _existing(image, implementation, variant)
+    tree = found or bpy.data.node_groups.new(f"Diffraction {stem}", "ShaderNodeTree")
+    if found is None or tree[keys.STAMP] != stamp:
+        interface.make(tree)
         try:
             if implementation == "OSL":
                 _fill_with_osl(tree, stem, source, own)
             else:
                 nodes_twin.build(tree, stem, images, layout, albedo_max, fresnel, conserve, own, albedo_free)
         except Exception:
-            if fresh:
+            if found is None:
                 bpy.data.node_groups.remove(tree)
             raise
     tree[keys.TABLE], tree[keys.ATLAS], tree[keys.SHA256] = image.filepath, image, sidecar["atlas"]["sha256"]
@@ -171,15 +169,15 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
     for slot, node in enumerate(lights, 1):
         for name in lamp_nodes.OUTPUTS:
             tree.links.new(node.outputs[name], script.inputs[f"Lamp{slot}{name}"])
-    number = lamp_nodes.count(graph)
+    number: Any = lamp_nodes.count(graph)
     tree.links.new(number, script.inputs["LampCount"])
-    rows = lamp_nodes.matrix(graph, own)
+    rows: Any = lamp_nodes.matrix(graph, own)
     for row, name in zip(rows, ("ToRed", "ToGreen", "ToBlue"), strict=True):
         tree.links.new(row, script.inputs[name])
 
     # EEVEE knows no OSL: there the pigment shows.
     out = graph.add("NodeGroupOutput")
-    choice = nodes_twin.by_engine(graph, script.outputs["BSDF"], given.outputs["Base"]).node
+    choice: Any = nodes_twin.by_engine(graph, script.outputs["BSDF"], given.outputs["Base"]).node
     engine = choice.inputs[0].links[0].from_node
     white = engine.inputs[0].links[0].from_node
     tree.links.new(choice.outputs[0], out.inputs[interface.OUTPUT])
@@ -201,6 +199,8 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
 
 def _uv_frame(tree: bpy.types.NodeTree, script: bpy.types.Node) -> list[bpy.types.Node]:
     """The frame of the active UV map, for a node without a tangent."""
+    tangent: Any
+    sign: Any
     if tells_mirrored_uv():
         tangent, sign = frame.uv_directions(tree)
         script.inputs["UVIsDirection"].default_value = 1

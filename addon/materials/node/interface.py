@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import bpy
 
@@ -45,7 +46,7 @@ def _value(default: object, low: float | None = None, high: float | None = None,
     return {"default_value": default, **{name: v for name, v in limits.items() if v is not None}, **more}
 
 
-_LINKED = {"hide_value": True}
+_LINKED: dict[str, object] = {"hide_value": True}
 
 SOCKETS = (
     Socket("Base", _SHADER, "The surface without its structure: pigment, weighted by what is not reflected"),
@@ -100,7 +101,7 @@ def make(tree: bpy.types.NodeTree) -> None:
     there = {(item.item_type, getattr(item, "in_out", ""), item.name): item for item in items.items_tree}
     if ("SOCKET", "OUTPUT", OUTPUT) not in there:
         items.new_socket(OUTPUT, in_out="OUTPUT", socket_type=_SHADER, description="Pigment and diffracted light")
-    panels = {}
+    panels: dict[str, Any] = {}
     for name, text in PANELS.items():
         panels[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
     for socket in SOCKETS:

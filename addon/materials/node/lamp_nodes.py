@@ -65,7 +65,7 @@ def count(graph: Graph) -> Socket:
     return _attribute(graph, slots.COUNT).outputs["Fac"]
 
 
-def matrix(graph: Graph, illuminant: Any = None) -> tuple[Socket, Socket, Socket]:
+def matrix(graph: Graph, illuminant: Any = None) -> tuple[Socket, ...]:
     """Rows to red, green and blue: the scene's, or of a light that the scene's do not fit, as constants.
 
     Parameters

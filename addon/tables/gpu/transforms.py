@@ -91,7 +91,7 @@ class GpuTransforms:
             self.device = "GPU"
 
     def _one(self, polar: PolarIntensity, kappa: float) -> np.ndarray:
-        if self.device == "GPU":
+        if self.device == "GPU" and self._plan is not None:
             try:
                 return self._on_gpu(partial(self._plan.run, kappa))
             except GpuError as error:

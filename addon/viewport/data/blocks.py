@@ -8,13 +8,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ....precompute.table.layout import TableLayout
-from ...materials.osl import FRESNEL, LAMPS_MAX
+from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 
 #: Side of the cube that holds the view transform; its axes are even in log(1 + gain x) up to the value white, both at
 #: an exposure of 0.
 DISPLAY_SIDE = 64
 DISPLAY_GAIN = 32.0
 DISPLAY_WHITE = 32.0
+
+#: Side of the square that holds a table's albedos.
+ALBEDO_SIDE = 512
 
 #: Pixels by which EEVEE's depth may have been sampled elsewhere.
 DEPTH_SLACK = 2.0
@@ -59,14 +62,28 @@ class Frame:
             rows[8] = *to_world[:3, 3], 1.0
         else:
             rows[8] = *(to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])), 0.0
-        rows[9] = len(self.lamps), self.points, float(self.display), DEPTH_SLACK
+        rows[9, :2] = len(self.lamps), self.points
         side = DISPLAY_SIDE
         gain = DISPLAY_GAIN * 2.0**self.exposure
         rows[10] = gain, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side
-        rows[11, :3] = self.ambient
+        rows[11] = *self.ambient, DEPTH_SLACK
         if len(self.lamps):
             rows[12 : 12 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
         return rows
+
+    def flags(self) -> set[str]:
+        """What of ``sources.FLAGS`` these lamps and this display need."""
+        flags = {f"LAMPS_{len(self.lamps)}"} | ({"DISPLAY"} if self.display else set())
+        kinds = {name: number for name, number in LAMP_KINDS.items() if number}
+        for row in np.reshape(self.lamps, (-1, 6, 4)):
+            kind = next(name for name, number in kinds.items() if number == int(row[0, 3]))
+            flags.add({"SUN": "SUNS", "BALL": "BALLS"}.get(kind, "AREAS"))
+            if kind == "BALL" and row[1, 3] > 0.5:
+                flags.add("SPOTS")
+            wide = row[4, 3] > 0.0 if kind in {"SUN", "BALL"} else True
+            if wide and self.points > 1:
+                flags.add("WIDE")
+        return flags
 
 
 @dataclass
@@ -78,7 +95,7 @@ class Surface:
     to_rgb
         ``(3, 3)`` matrix from XYZ to the working space.
     fresnel
-        A key of ``osl.FRESNEL``.
+        ``NONE``, ``DIELECTRIC`` or ``CONDUCTOR``.
     ior, conductor_n, conductor_k
         Refractive indices.
     conserve_energy
@@ -114,16 +131,27 @@ class Surface:
         rows = np.zeros((12, 4), np.float32)
         rows[0] = layout.a_r, 1.0 / layout.r0, layout.n_r - 1, layout.n_phi
         rows[1] = layout.a_w, 1.0 / layout.w0, layout.s_w, layout.n_w - 1
-        rows[2] = layout.scale, layout.power, layout.n_theta - 1, layout.n_albedo_phi
-        rows[3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 1.0 / layout.n_theta, 1.0 / (layout.n_albedo_phi + 2)
+        rows[2, :2] = layout.scale, layout.power
+        rows[3, :3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 0.5 * (ALBEDO_SIDE - 1) / ALBEDO_SIDE
         rows[4:7, :3] = self.to_rgb
-        rows[7] = FRESNEL[self.fresnel], self.ior, float(self.conserve_energy), self.brightness
+        rows[7] = 0.0, self.ior, 0.0, self.brightness
         rows[8, :3], rows[9, :3] = self.conductor_n, self.conductor_k
-        rows[8, 3] = float(self.environment)
-        rows[10] = np.cos(self.rotation), np.sin(self.rotation), float(self.angle_image), self.rotation
+        rows[10] = np.cos(self.rotation), np.sin(self.rotation), 0.0, self.rotation
         if self.pigment is not None:
-            rows[11] = *self.pigment, 1.0
+            rows[11, :3] = self.pigment
         return rows
+
+    def flags(self, ambient: bool) -> set[str]:
+        """What of ``sources.FLAGS`` this material needs; `ambient`: in a plain world that shines."""
+        flags = {self.fresnel} if self.fresnel != "NONE" else set()
+        chosen = {
+            "CONSERVE": self.conserve_energy,
+            "LINEAR_IN_W": self.layout.power == 1.0,
+            "TURNED": self.angle_image,
+            "AMBIENT": ambient and self.environment,
+            "REPLACE": self.pigment is not None,
+        }
+        return flags | {name for name, wanted in chosen.items() if wanted}
 
 
 def uniform(rows: np.ndarray):

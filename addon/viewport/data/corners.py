@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 
 from .orientation import Orientation
+from .topology import Topologies, Topology, alike, attribute, read
 
 
 @dataclass
@@ -26,6 +27,8 @@ class Corners:
         ``(n, 2)`` of the map that pictures use.
     triangles
         ``(m, 3)`` corners, by material slot.
+    topology
+        Whose corners and triangles these are; None where every triangle has corners of its own.
     """
 
     places: np.ndarray
@@ -33,48 +36,58 @@ class Corners:
     tangents: np.ndarray
     uv: np.ndarray
     triangles: dict[int, np.ndarray]
+    topology: Topology | None
 
 
-def of(mesh: bpy.types.Mesh, orientation: Orientation) -> Corners | None:
+def of(mesh: bpy.types.Mesh, orientation: Orientation, topologies: Topologies) -> Corners | None:
     """Read a mesh; None if it has no faces."""
     mesh.calc_loop_triangles()
-    count = len(mesh.loop_triangles)
-    if not count:
+    if not len(mesh.loop_triangles):
         return None
-    vertices = _read(mesh.vertices, "co", 3)
-    corner_vertex = _read(mesh.loops, "vertex_index", 1, np.int32).ravel()
-    normals = _read(mesh.corner_normals, "vector", 3)
-    corners = _read(mesh.loop_triangles, "loops", 3, np.int32)
-    slots = _read(mesh.loop_triangles, "material_index", 1, np.int32).ravel()
-    places = vertices[corner_vertex]
-    tangents, unrolled = _tangents(mesh, orientation, vertices, corner_vertex, normals, corners)
-    uv = _picture_uv(mesh)
-    if unrolled:
+    topology = topologies.of(mesh)
+    position = attribute(mesh, "position", "vector", np.float32)
+    vertices = position.reshape(-1, 3) if position is not None else read(mesh.vertices, "co", 3)
+    normals = read(mesh.corner_normals, "vector", 3)
+    places = vertices[topology.corner_vertex]
+    triangles = topology.cut(mesh, places)
+    uv = _picture_uv(mesh, topology)
+    layer = _tangent_layer(mesh, orientation)
+    if layer is not None and topology.quads is None:
+        # Blender computes tangents of triangles and quads only.
+        slots = np.repeat(list(triangles), [len(each) for each in triangles.values()])
+        corners = np.concatenate(list(triangles.values()))
+        map_uv = read(layer.uv, "vector", 2)
+        tangents = triangle_tangents(places[corners], normals[corners], map_uv[corners])
         places, normals, uv = (values[corners.ravel()] for values in (places, normals, uv))
-        corners = np.arange(3 * count, dtype=np.int32).reshape(-1, 3)
-    triangles = {int(slot): np.ascontiguousarray(corners[slots == slot]) for slot in np.unique(slots)}
-    return Corners(places, normals, tangents, uv, triangles)
+        own = np.arange(len(places), dtype=np.int32).reshape(-1, 3)
+        return Corners(places, normals, tangents, uv, {int(s): own[slots == s] for s in triangles}, None)
+    if layer is not None:
+        tangents = _mikk(mesh, layer, topology)
+    else:
+        tangents = _other_tangents(mesh, orientation, vertices, topology.corner_vertex)
+    return Corners(places, normals, tangents, uv, triangles, topology)
 
 
-def _picture_uv(mesh: bpy.types.Mesh) -> np.ndarray:
+def _picture_uv(mesh: bpy.types.Mesh, topology: Topology) -> np.ndarray:
     layer = next((each for each in mesh.uv_layers if each.active_render), None)
     if layer is None:
-        return np.zeros((len(mesh.loops), 2), np.float32)
-    return _read(layer.uv, "vector", 2)
+        uv = np.zeros((len(topology.corner_vertex), 2), np.float32)
+    else:
+        uv = read(layer.uv, "vector", 2)
+    if not alike(topology.picture_uv, uv):
+        topology.picture_uv, topology.picture_buffer = uv, None
+    return uv
 
 
-def _read(collection, name: str, width: int, dtype: type = np.float32) -> np.ndarray:
-    values = np.empty(len(collection) * width, dtype)
-    collection.foreach_get(name, values)
-    return values.reshape(-1, width)
+def _tangent_layer(mesh: bpy.types.Mesh, orientation: Orientation):
+    """The UV map that tells where the scan's x goes, where that is the orientation."""
+    if orientation.mode != "UV" or not mesh.uv_layers:
+        return None
+    return mesh.uv_layers.get(orientation.name) if orientation.name else mesh.uv_layers.active
 
 
-def _tangents(mesh, orientation, vertices, corner_vertex, normals, corners) -> tuple[np.ndarray, bool]:
-    """``(n, 4)`` tangents, and whether they belong to the corners of triangles rather than those of faces."""
-    if orientation.mode == "UV" and mesh.uv_layers:
-        layer = mesh.uv_layers.get(orientation.name) if orientation.name else mesh.uv_layers.active
-        if layer is not None:
-            return _uv_tangents(mesh, layer.name, normals, corners)
+def _other_tangents(mesh, orientation, vertices, corner_vertex) -> np.ndarray:
+    """``(n, 4)`` tangents that come from no UV map."""
     tangents = np.zeros((len(corner_vertex), 4), np.float32)
     if orientation.mode == "ATTRIBUTE":
         values = _attribute(mesh, orientation.name, corner_vertex)
@@ -88,41 +101,37 @@ def _tangents(mesh, orientation, vertices, corner_vertex, normals, corners) -> t
         zero = np.zeros_like(x)
         around = {"X": (zero, -z, y), "Y": (-z, zero, x), "Z": (-y, x, zero)}[orientation.name or "Z"]
         tangents[:, :3] = np.stack(around, -1)[corner_vertex]
-    return tangents, False
+    return tangents
 
 
 def _attribute(mesh: bpy.types.Mesh, name: str, corner_vertex: np.ndarray) -> np.ndarray | None:
     """``(n, 3)`` values of a vector attribute at the corners; None where the mesh has no such attribute."""
-    attribute = mesh.attributes.get(name)
-    if attribute is None or attribute.data_type != "FLOAT_VECTOR":
+    found = mesh.attributes.get(name)
+    if found is None or found.data_type != "FLOAT_VECTOR":
         return None
-    values = _read(attribute.data, "vector", 3)
-    if attribute.domain == "POINT":
+    values = read(found.data, "vector", 3)
+    if found.domain == "POINT":
         return values[corner_vertex]
-    if attribute.domain == "CORNER":
+    if found.domain == "CORNER":
         return values
-    if attribute.domain == "FACE":
-        totals = _read(mesh.polygons, "loop_total", 1, np.int32).ravel()
+    if found.domain == "FACE":
+        totals = read(mesh.polygons, "loop_total", 1, np.int32).ravel()
         return np.repeat(values, totals, axis=0)
     return None
 
 
-def _uv_tangents(mesh, uv_name, normals, corners) -> tuple[np.ndarray, bool]:
-    if int(_read(mesh.polygons, "loop_total", 1, np.int32).max()) <= 4:
-        return _mikk(mesh, uv_name), False
-    # Blender computes tangents of triangles and quads only.
-    uv = _read(mesh.uv_layers[uv_name].uv, "vector", 2)
-    vertex = _read(mesh.loops, "vertex_index", 1, np.int32).ravel()
-    places = _read(mesh.vertices, "co", 3)[vertex]
-    return triangle_tangents(places[corners], normals[corners], uv[corners]), True
-
-
-def _mikk(mesh: bpy.types.Mesh, uv_name: str) -> np.ndarray:
-    mesh.calc_tangents(uvmap=uv_name)
-    tangents = np.empty((len(mesh.loops), 4), np.float32)
-    tangents[:, :3] = _read(mesh.loops, "tangent", 3)
-    tangents[:, 3] = _read(mesh.loops, "bitangent_sign", 1).ravel()
-    mesh.free_tangents()
+def _mikk(mesh: bpy.types.Mesh, layer, topology: Topology) -> np.ndarray:
+    uv = read(layer.uv, "vector", 2)
+    mesh.calc_tangents(uvmap=layer.name)
+    try:
+        tangents = np.empty((len(topology.corner_vertex), 4), np.float32)
+        tangents[:, :3] = read(mesh.loops, "tangent", 3)
+        # Signs follow the UV alone, and cost as much to read as the tangents.
+        if topology.signs is None or not alike(topology.tangent_uv, uv):
+            topology.tangent_uv, topology.signs = uv, read(mesh.loops, "bitangent_sign", 1).ravel()
+    finally:
+        mesh.free_tangents()
+    tangents[:, 3] = topology.signs
     return tangents
 
 
@@ -154,14 +163,23 @@ def triangle_tangents(places: np.ndarray, normals: np.ndarray, uv: np.ndarray) -
     previous = _flat_unit(np.roll(places, 1, axis=1) - places, normals)
     angle = np.arccos(np.clip((following * previous).sum(-1), -1.0, 1.0))
     like = np.concatenate([places, normals, uv, np.repeat(sign[:, None, None], 3, axis=1)], axis=-1).reshape(-1, 9)
-    _, group = np.unique(like, axis=0, return_inverse=True)
-    group = group.ravel()
+    group = _alike(like.astype(np.float32))
     total = np.zeros((group.max() + 1, 3))
     np.add.at(total, group, (along * angle[..., None]).reshape(-1, 3))
     tangents = np.empty((len(group), 4), np.float32)
     tangents[:, :3] = _unit(total)[group]
     tangents[:, 3] = np.repeat(sign, 3)
     return tangents
+
+
+def _alike(rows: np.ndarray) -> np.ndarray:
+    """``(n,)`` numbers of the groups of equal rows: by a 64-bit hash of each, which sorts faster than rows."""
+    bits = np.ascontiguousarray(rows + np.float32(0.0)).view(np.uint32)  # -0 counts as 0
+    key = np.zeros(len(rows), np.uint64)
+    for column in bits.T:
+        key = (key ^ column) * np.uint64(0x9E3779B97F4A7C15)
+        key ^= key >> np.uint64(29)
+    return np.unique(key, return_inverse=True)[1].ravel()
 
 
 def _flat_unit(vectors: np.ndarray, normals: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from ...materials.osl import FRESNEL, LAMP_KINDS, LAMPS_MAX
+from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
 
 #: Uniform blocks, vec4 and mat4 only, so that every back end lays them out alike. Filled in `blocks`.
@@ -26,26 +26,51 @@ WAVELENGTHS_MAX = 96
 
 METHODS = ("TABLE", "FLSS")
 
+#: What a shader can be made to do besides; a variant has the code of those that it needs and no other: software
+#: renderers, and GPUs where neighbours differ, run every branch. LAMPS_0 to LAMPS_16 say how many there are: loops of
+#: known length.
+FLAGS = (
+    "LOOSE_DEPTH",  # the depth buffer's points lie elsewhere in their pixels
+    "DISPLAY",  # colours pass through the view transform
+    "REPLACE",  # draws the pigment too
+    "TURNED",  # an image of angles
+    "CONSERVE",  # f is divided by the albedo where that passes 1
+    "LINEAR_IN_W",  # of the table's factor |w|^power: the power is 1
+    "DIELECTRIC",
+    "CONDUCTOR",
+    "AMBIENT",  # a plain world
+    "SUNS",
+    "BALLS",
+    "SPOTS",
+    "AREAS",
+    "WIDE",  # lamps of more than one point
+)
+
 
 def _text(*names: str) -> str:
     return "\n".join((SHADERS / name).read_text(encoding="utf-8") for name in names)
 
 
-def _begin(method: str):
+def _begin(method: str, flags: frozenset[str]):
     import gpu
 
     info = gpu.types.GPUShaderCreateInfo()
+    for name in sorted(flags):
+        if name.startswith("LAMPS_"):
+            info.define("LAMPS", name.removeprefix("LAMPS_"))
+        else:
+            info.define(name, "1")
     info.define("LAMPS_MAX", str(LAMPS_MAX))
     info.define("WAVELENGTHS_MAX", str(WAVELENGTHS_MAX))
-    for prefix, values in (("FRESNEL", FRESNEL), ("LAMP", LAMP_KINDS)):
-        for name, value in values.items():
-            info.define(f"{prefix}_{name}", f"{value}.0")
+    for name, value in LAMP_KINDS.items():
+        info.define(f"LAMP_{name}", f"{value}.0")
     info.define(f"METHOD_{method}", "1")
     info.typedef_source(_TYPES)
     info.uniform_buf(0, "DiffractionFrame", "df_frame")
     info.uniform_buf(1, "DiffractionSurface", "df_surface")
     info.sampler(0, "FLOAT_2D_ARRAY", "df_table")
-    info.sampler(1, "FLOAT_2D", "df_albedo")
+    if flags & {"CONSERVE", "AMBIENT"}:
+        info.sampler(1, "FLOAT_2D", "df_albedo")
     if method == "FLSS":
         info.uniform_buf(2, "DiffractionSeries", "df_series")
         info.sampler(3, "FLOAT_2D_ARRAY", "df_terms")
@@ -57,30 +82,27 @@ _BRDF = {"TABLE": ("table.glsl", "brdf.glsl"), "FLSS": ("table.glsl", "flss.glsl
 
 
 @cache
-def surface(method: str, loose_depth: bool = False):
-    """The shader that draws meshes, by one of `METHODS`.
-
-    Parameters
-    ----------
-    loose_depth
-        For a depth buffer whose points lie elsewhere in their pixels.
-    """
+def surface(method: str, flags: frozenset[str]):
+    """The shader that draws meshes, by one of `METHODS`, with some of `FLAGS` and a number of lamps."""
     import gpu
 
-    info = _begin(method)
-    if loose_depth:
-        info.define("LOOSE_DEPTH", "1")
+    info = _begin(method, flags)
+    if "LOOSE_DEPTH" in flags:
         info.depth_write("ANY")
-    info.sampler(2, "FLOAT_3D", "df_display")
-    info.sampler(4, "FLOAT_2D", "df_angle")
+    if "DISPLAY" in flags:
+        info.sampler(2, "FLOAT_3D", "df_display")
+    if "TURNED" in flags:
+        info.sampler(4, "FLOAT_2D", "df_angle")
     info.push_constant("MAT4", "df_model")
     for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
-        info.vertex_in(slot, kind, name)
+        if name != "uv" or "TURNED" in flags:
+            info.vertex_in(slot, kind, name)
     between = gpu.types.GPUStageInterfaceInfo("diffraction_surface")
     between.smooth("VEC3", "world_place")
     between.smooth("VEC3", "world_normal")
     between.smooth("VEC4", "world_tangent")
-    between.smooth("VEC2", "world_uv")
+    if "TURNED" in flags:
+        between.smooth("VEC2", "world_uv")
     info.vertex_out(between)
     info.vertex_source(_text("surface_vertex.glsl"))
     info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "display.glsl", "surface_fragment.glsl"))
@@ -88,11 +110,17 @@ def surface(method: str, loose_depth: bool = False):
 
 
 @cache
-def map_of_directions(method: str):
-    """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer."""
+def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = ""):
+    """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer.
+
+    Parameters
+    ----------
+    text
+        Of another fragment shader, to measure against.
+    """
     import gpu
 
-    info = _begin(method)
+    info = _begin(method, flags)
     info.push_constant("VEC4", "df_light")
     info.push_constant("FLOAT", "df_reach")
     info.vertex_in(0, "VEC2", "pos")
@@ -100,7 +128,7 @@ def map_of_directions(method: str):
     between.smooth("VEC2", "place")
     info.vertex_out(between)
     info.vertex_source(_text("map_vertex.glsl"))
-    info.fragment_source(_text(*_BRDF[method], "map_fragment.glsl"))
+    info.fragment_source(text or _text(*_BRDF[method], "map_fragment.glsl"))
     return gpu.shader.create_from_info(info)
 
 

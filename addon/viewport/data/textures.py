@@ -14,7 +14,7 @@ from ....precompute.errors import SizeLimitError
 from ....precompute.table.layout import TableLayout
 from ....precompute.table.table import SpectralTable
 from ...versions import smooth_lookups
-from .blocks import buffer
+from .blocks import ALBEDO_SIDE, buffer
 
 
 @dataclass(eq=False)
@@ -52,12 +52,12 @@ def upload(table: SpectralTable) -> TableTextures:
     for index in range(layout.n_w):
         x, y = layout.tile_origin(index)
         stack[index, :, :, :3] = table.atlas[y : y + layout.tile_height, x : x + layout.n_r]
-    albedo = table.atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta, 0]
+    albedo = albedo_map(table)
     try:
         slices = gpu.types.GPUTexture(
             (layout.n_r, layout.tile_height), layers=layout.n_w, format="RGBA16F", data=buffer(stack)
         )
-        albedos = gpu.types.GPUTexture((layout.n_theta, layout.n_albedo_phi + 2), format="R32F", data=buffer(albedo))
+        albedos = gpu.types.GPUTexture((ALBEDO_SIDE, ALBEDO_SIDE), format="R16F", data=buffer(albedo))
     except (RuntimeError, MemoryError) as error:
         raise SizeLimitError(
             f"The GPU has no memory for the table ({stack.nbytes / 2e6:.0f} MB); bake it with a lower detail."
@@ -65,6 +65,27 @@ def upload(table: SpectralTable) -> TableTextures:
     for texture in (slices, albedos):
         smooth_lookups(texture)
     return TableTextures(layout, table.info, slices, albedos)
+
+
+def albedo_map(table: SpectralTable) -> np.ndarray:
+    """``(ALBEDO_SIDE, ALBEDO_SIDE)`` albedos over the hemisphere in stereographic projection.
+
+    A direction (x, y, z) lies at (x, y) / (1 + z) of the unit disc; outside of it its rim goes on. Steps are a fifth of
+    the table's own straight above, and a ninth towards the horizon, where albedos rise most.
+    """
+    layout = table.layout
+    first = layout.conserving_y
+    tile = table.atlas[first : first + layout.n_albedo_phi + 2, : layout.n_theta, 0].astype(np.float32)
+    along = np.linspace(-1.0, 1.0, ALBEDO_SIDE, dtype=np.float32)
+    x, y = np.meshgrid(along, along)
+    theta = 2.0 * np.arctan(np.minimum(np.hypot(x, y), 1.0))
+    column = theta * ((layout.n_theta - 1) / (0.5 * np.pi))
+    row = 1.0 + np.mod(np.arctan2(y, x) * (layout.n_albedo_phi / (2.0 * np.pi)), layout.n_albedo_phi)
+    left, below = np.minimum(column.astype(int), layout.n_theta - 2), np.minimum(row.astype(int), len(tile) - 2)
+    right, up = column - left, row - below
+    lower = tile[below, left] * (1.0 - right) + tile[below, left + 1] * right
+    upper = tile[below + 1, left] * (1.0 - right) + tile[below + 1, left + 1] * right
+    return lower * (1.0 - up) + upper * up
 
 
 class Tables:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import mmap
 import os
 import struct
 from pathlib import Path
@@ -11,13 +12,13 @@ from typing import Any
 import numpy as np
 
 from ...errors import ScanError
-from .limits import check_shape
+from .limits import check_shape, cropping
 
 ENDS_EARLY = "The file ends early; copy or export it again."
 
 
 def read_matrix(path: Path, dtype: str, rows: int, cols: int, offset: int) -> np.ndarray:
-    """``(rows, cols)`` numbers from a file, in the file's order.
+    """``(rows, cols)`` numbers from a file, in the file's order; mapped, not loaded, where a part is wanted.
 
     Raises
     ------
@@ -28,7 +29,17 @@ def read_matrix(path: Path, dtype: str, rows: int, cols: int, offset: int) -> np
     kind = np.dtype(dtype)
     if offset < 0 or offset + rows * cols * kind.itemsize > os.path.getsize(path):
         raise ScanError(ENDS_EARLY)
+    if cropping():
+        return np.memmap(path, kind, "r", offset, (rows, cols))
     return np.fromfile(path, kind, rows * cols, offset=offset).reshape(rows, cols)
+
+
+def contents(path: Path) -> memoryview:
+    """All bytes of a file; mapped where only a part of a scan is wanted."""
+    if not cropping():
+        return memoryview(path.read_bytes())
+    with open(path, "rb") as file:
+        return memoryview(mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ))
 
 
 def read_head(path: Path, count: int) -> bytes:

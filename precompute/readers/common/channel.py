@@ -21,7 +21,7 @@ class Samples:
     Parameters
     ----------
     values
-        ``(rows, cols)`` numbers in the channel's unit, row 0 at the *bottom*.
+        ``(rows, cols)`` numbers in the channel's unit, row 0 at the *bottom*; or what ``decode`` makes such numbers of.
     size_m
         Side lengths along x and y in metres, None where the file does not tell.
     missing
@@ -31,6 +31,13 @@ class Samples:
         range is that of the values themselves.
     metadata
         Free keys: ``instrument``, ``date`` ...
+    decode
+        Makes numbers in the channel's unit of ``values``, point by point, NaN where a point is missing; None where
+        they are such numbers. It is called with the part that is wanted, so that a huge scan is not decoded whole.
+    notes
+        What the user should know of the reading, each one sentence without a full stop.
+    trusted
+        True where the project itself wrote the file, so that its size was asked about before.
     """
 
     values: np.ndarray
@@ -38,6 +45,9 @@ class Samples:
     missing: np.ndarray | None = None
     full_scale: float | None = None
     metadata: dict[str, Any] = field(default_factory=dict)
+    decode: Callable[[np.ndarray], np.ndarray] | None = None
+    notes: tuple[str, ...] = ()
+    trusted: bool = False
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 
 from ...errors import ScanError, SizeLimitError
@@ -13,12 +16,32 @@ LIMIT_PIXELS = 32 * 1024 * 1024
 #: Largest file that is opened at all.
 LIMIT_FILE_BYTES = 512 * 1024 * 1024
 
+#: The same where only a part of the scan is wanted, whose rows alone are taken from the file.
+LIMIT_PIXELS_CROPPED, LIMIT_FILE_BYTES_CROPPED = 1 << 32, 64 << 30
+
+_CROPPING: ContextVar[bool] = ContextVar("cropping", default=False)
+
 #: The same for numbers written as text, which take several times their size while they are parsed.
 LIMIT_TEXT_BYTES = 160 * 1024 * 1024
 
 
 #: Most bytes of pixels that a byte of file can stand for: the bound of deflate is 1032.
 _DENSEST = 1040
+
+
+@contextmanager
+def while_cropping(wanted: bool) -> Iterator[None]:
+    """Within this block a larger scan may be declared, since most of it is never loaded."""
+    token = _CROPPING.set(wanted)
+    try:
+        yield
+    finally:
+        _CROPPING.reset(token)
+
+
+def cropping() -> bool:
+    """Whether a part of a scan is read: arrays are then mapped, not loaded."""
+    return _CROPPING.get()
 
 
 def check_density(path: Path, bits: int) -> None:
@@ -67,7 +90,23 @@ def check_shape(rows: int, cols: int) -> None:
     """
     if rows < 2 or cols < 2:
         raise ScanError(f"The scan has {rows} x {cols} pixels; a heightfield needs at least 2 x 2.")
+    if rows * cols > (LIMIT_PIXELS_CROPPED if cropping() else LIMIT_PIXELS):
+        raise SizeLimitError(
+            f"The file declares {rows} x {cols} pixels, above the limit of {LIMIT_PIXELS}; read a part of it with "
+            "--crop-um LEFT RIGHT BOTTOM TOP."
+        )
+
+
+def check_loaded(rows: int, cols: int) -> None:
+    """Refuse a shape that must be loaded whole, whatever part is wanted: compressed data, text.
+
+    Raises
+    ------
+    SizeLimitError
+        If there are more than ``LIMIT_PIXELS`` pixels.
+    """
     if rows * cols > LIMIT_PIXELS:
         raise SizeLimitError(
-            f"The file declares {rows} x {cols} pixels, above the limit of {LIMIT_PIXELS}; crop the scan first."
+            f"The file declares {rows} x {cols} pixels, above the limit of {LIMIT_PIXELS}, and its kind can only be "
+            "read whole; export a part of it, or all as .gsf, of which --crop-um reads a part."
         )

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ScanError
-from .limits import LIMIT_PIXELS, check_density, check_shape
+from .limits import LIMIT_PIXELS, check_density, check_loaded, check_shape, cropping
 
 #: None, deflate (two numbers) and PackBits: what tifffile decodes without further libraries.
 PLAIN_COMPRESSIONS = (1, 8, 32946, 32773)
@@ -44,6 +44,9 @@ def decoded(page: Any, path: Path) -> np.ndarray:
         If the page declares more than there can be.
     """
     check_shape(page.imagelength, page.imagewidth)
+    if cropping() and page.is_memmappable:
+        return np.memmap(path, page.dtype.newbyteorder(page.parent.byteorder), "r", page.dataoffsets[0], page.shape)
+    check_loaded(page.imagelength, page.imagewidth)
     chunk = math.prod(page.chunks) if page.chunks else 0
     if page.size > _MOST_CHANNELS * LIMIT_PIXELS or chunk > _MOST_CHANNELS * LIMIT_PIXELS or page.imagedepth != 1:
         raise ScanError(f"The TIFF declares an image of the shape {page.shape}; save it as one grey picture.")

@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+#: Said where a file names no unit and its numbers suit metres.
+ASSUMED_METRES = "the file names no unit of length for its sides, so metres were assumed"
+
 _PREFIXES = {"": 1.0, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "n": 1e-9, "p": 1e-12, "f": 1e-15}
 _NAMES = {
     "meter": 1.0,

@@ -67,9 +67,12 @@ def _load(path: Path, at: int, factor: float, step_x: float, step_y: float) -> S
     if itemsize not in _DTYPES:
         raise ScanError(f"The .opd file holds values of {itemsize} bytes, which are not understood.")
     counts = read_matrix(path, _DTYPES[itemsize], cols, rows, at + 6).T
-    if itemsize == 1:
-        missing = np.zeros(counts.shape, bool)
-    else:
-        missing = ~(np.isfinite(counts) & (counts < (32766 if itemsize == 2 else 1e38)))
-    values = np.where(missing, np.nan, counts.astype(np.float64)) * factor
-    return Samples(values, (cols * step_x, rows * step_y), missing, metadata={"instrument": "Wyko"})
+    decode = partial(_heights, factor=factor)
+    return Samples(counts, (cols * step_x, rows * step_y), metadata={"instrument": "Wyko"}, decode=decode)
+
+
+def _heights(counts: np.ndarray, factor: float) -> np.ndarray:
+    values = counts.astype(np.float64)
+    if counts.dtype.itemsize > 1:
+        values[~(counts < (32766 if counts.dtype.kind == "i" else np.float32(1e38)))] = np.nan
+    return values * factor

@@ -10,6 +10,8 @@ import os
 from functools import partial
 from pathlib import Path
 
+import numpy as np
+
 from ...errors import ScanError
 from ..common.binary import read_head, read_matrix, text, unpack
 from ..common.channel import Channel, Samples
@@ -45,4 +47,8 @@ def read_plu(path: Path) -> list[Channel]:
 
 def _load(path: Path, at: int, rows: int, cols: int, step_x: float, step_y: float, metadata: dict) -> Samples:
     values = read_matrix(path, "<f4", rows, cols, at)[::-1]
-    return Samples(values, (cols * step_x * 1e-6, rows * step_y * 1e-6), values == _MISSING, metadata=metadata)
+    return Samples(values, (cols * step_x * 1e-6, rows * step_y * 1e-6), metadata=metadata, decode=_heights)
+
+
+def _heights(values: np.ndarray) -> np.ndarray:
+    return np.where(values == _MISSING, np.nan, values.astype(np.float64))

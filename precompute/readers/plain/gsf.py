@@ -15,9 +15,10 @@ from typing import Any
 import numpy as np
 
 from ...errors import ScanError
+from ..common.binary import read_matrix
 from ..common.channel import Channel, Samples
 from ..common.limits import check_shape
-from ..common.units import metres_per
+from ..common.units import ASSUMED_METRES, metres_per
 
 MAGIC = b"Gwyddion Simple Field 1.0\n"
 _LONGEST_HEADER = 1 << 20
@@ -46,19 +47,22 @@ def read_gsf(path: Path) -> list[Channel]:
     if actual < expected:
         raise ScanError(f"The .gsf file ends early: {actual} bytes of {expected}; copy or export it again.")
 
-    lateral = metres_per(keys.get("XYUnits", "m"))
+    lateral = metres_per(keys.get("XYUnits") or "m")
     x, y = _number(keys, "XReal"), _number(keys, "YReal")
     size_m = (x * lateral, y * lateral) if lateral is not None and x is not None and y is not None else None
     unit = keys.get("ZUnits") or None
+    notes = () if keys.get("XYUnits") or size_m is None else (ASSUMED_METRES,)
+    # Only this project writes its list of steps into the header; size and heights were asked about at the import.
+    stored = "Processing" in keys
 
     def load() -> Samples:
-        values = np.fromfile(path, "<f4", rows * cols, offset=start).reshape(rows, cols)[::-1]
+        values = read_matrix(path, "<f4", rows, cols, start)[::-1]
         metadata: dict[str, Any] = {key: value for key, value in keys.items() if key not in _OWN_KEYS}
         try:
             metadata["stored_processing"] = json.loads(metadata.pop("Processing", "[]"))
         except (ValueError, RecursionError):
             metadata["stored_processing"] = []
-        return Samples(values, size_m, np.isnan(values), metadata=metadata)
+        return Samples(values, size_m, metadata=metadata, decode=np.asarray, notes=notes, trusted=stored)
 
     return [Channel(keys.get("Title") or "Height", unit, load)]
 

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from ...errors import ScanError
+from ..common.binary import contents
 from ..common.channel import Channel, Samples
 from ..common.limits import check_shape
 
@@ -33,7 +34,7 @@ _DAMAGED = "The .gwy file is damaged or cut short; copy or export it again."
 
 def read_gwy(path: Path) -> list[Channel]:
     """All image channels of a .gwy file, in the order of their numbers."""
-    data = memoryview(path.read_bytes())
+    data = contents(path)
     name, body, _ = _object(data, 4)
     if name != "GwyContainer":
         raise ScanError(_DAMAGED)
@@ -62,13 +63,13 @@ def _load(field: dict[str, Any], mask: dict[str, Any] | None) -> Samples:
     values = _values(field)
     x, y = field.get("xreal"), field.get("yreal")
     known = isinstance(x, float) and isinstance(y, float) and _base_unit(field.get("si_unit_xy")) == "m"
-    missing = np.isnan(values)
+    missing = None
     if mask is not None:
         marked = _values(mask)
         # A mask of all pixels marks nothing apart; it is a leftover of the session.
         if marked.shape == values.shape and not (marked >= 0.5).all():
-            missing |= marked >= 0.5
-    return Samples(values, (x, y) if known else None, missing)  # type: ignore[arg-type]
+            missing = marked >= 0.5
+    return Samples(values, (x, y) if known else None, missing, decode=np.asarray)  # type: ignore[arg-type]
 
 
 def _values(field: dict[str, Any]) -> np.ndarray:

@@ -16,7 +16,7 @@ from ...errors import ScanError
 from ..common.binary import read_head, read_matrix, text, unpack
 from ..common.channel import Channel, Samples
 from ..common.limits import check_shape
-from ..common.units import metres_per
+from ..common.units import ASSUMED_METRES, metres_per
 
 # version, checksum, wave, formula, note, data units, units of 4 dimensions, labels of 4 dimensions, indices, options
 _BIN_HEADER = "hhiiii4i4iiii"
@@ -46,6 +46,7 @@ def read_ibw(path: Path) -> list[Channel]:
     cols, rows, layers, chunks = unpack(order + "4i", head, _BIN_BYTES + 68)
     steps = unpack(order + "4d", head, _BIN_BYTES + 84)
     unit, lateral = text(head[_BIN_BYTES + 148 :][:4]), text(head[_BIN_BYTES + 152 :][:4])
+    lateral_y = text(head[_BIN_BYTES + 156 :][:4])
     if chunks > 1 or kind not in _TYPES or min(wave, formula, note_size, data_units, *sizes[6:14]) < 0:
         raise ScanError("The .ibw file holds no plain two-dimensional data; export the height image.")
     check_shape(rows, cols)
@@ -56,8 +57,9 @@ def read_ibw(path: Path) -> list[Channel]:
     labels_at = note_at + note_size + data_units + sum(sizes[6:10]) + sum(sizes[10:12])
     note = _note(path, note_at, note_size)
     names = _labels(path, labels_at, sizes[12], layers)
-    factor = metres_per(lateral) or 1.0
-    size_m = (cols * steps[0] * factor, rows * steps[1] * factor)
+    per_x, per_y = metres_per(lateral or "m"), metres_per(lateral_y or lateral or "m")
+    size_m = None if per_x is None or per_y is None else (cols * steps[0] * per_x, rows * steps[1] * per_y)
+    notes = () if lateral else (ASSUMED_METRES,)
     metadata = {
         "instrument": f"Asylum Research {note['MicroscopeModel']}" if "MicroscopeModel" in note else "Igor Pro",
         "date": f"{note.get('Date', '')} {note.get('Time', '')}".strip(),
@@ -67,7 +69,7 @@ def read_ibw(path: Path) -> list[Channel]:
 
     def load(layer: int) -> Samples:
         values = read_matrix(path, order + _TYPES[kind], rows, cols, _HEADER_BYTES + layer * rows * cols * item)
-        return Samples(values, size_m, np.isnan(values), metadata=metadata)
+        return Samples(values, size_m, metadata=metadata, decode=np.asarray, notes=notes)
 
     return [Channel(name, _unit(name, unit, note), partial(load, layer)) for layer, name in enumerate(names)]
 

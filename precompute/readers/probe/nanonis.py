@@ -89,4 +89,4 @@ def _load(
 ) -> Samples:
     values = read_matrix(path, ">f4", rows, cols, offset)
     values = values[:: -1 if downwards else 1, :: -1 if backward else 1]
-    return Samples(values, size_m, np.isnan(values), metadata=metadata)
+    return Samples(values, size_m, metadata=metadata, decode=np.asarray)

@@ -5,12 +5,20 @@ A text header of sections (``\*Ciao image list``) and keys (``\Samps/line: 256``
 of integers for each image, bottom row first. Heights are ``raw * hard / 2^(8 bytes) * sensitivity``:
 ``\@2:Z scale: V [Sens. Zsens] (0.005 V/LSB) 330 V`` names the sensitivity, which stands in the
 scanner or scan list as ``\@Sens. Zsens: V 34.6 nm/V``.
+
+The slow axis: the size that the image gives for it where that differs from the fast one's, else the
+scan's ``Slow Axis Size``. Where neither is there, or the image has fewer lines than the scan was set
+up for, the image's ``Aspect Ratio`` says that the axis is shorter, and the numbers of lines by how much
+(as Gwyddion reads it; the ratio itself is not always true).
 """
 
 from __future__ import annotations
 
 import re
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from ...errors import ScanError
 from ..common.binary import integer, number, read_head, read_matrix
@@ -19,6 +27,10 @@ from ..common.units import metres_per
 
 _LONGEST_HEADER = 4 << 20
 _VERSION_32_BIT = 0x09200000
+_FILE_LISTS = ("file list", "ec file list")
+_SCANNER_LISTS = ("scanner list", "microscope list")
+_SCAN_LISTS = ("ciao scan list", "afm list", "stm list", "nc afm list")
+_IMAGE_LISTS = ("ciao image list", "afm image list", "stm image list", "ncafm image list", "image list")
 _VALUE = re.compile(
     r"^(?P<kind>[VCS])\s*(?:\[(?P<soft>[^\]]*)\])?\s*(?:\((?P<lsb>[^()]*(?:\([^()]*\))?[^()]*)\))?(?P<hard>.*)$"
 )
@@ -27,24 +39,26 @@ _VALUE = re.compile(
 def read_nanoscope(path: Path) -> list[Channel]:
     """All images of a Nanoscope file."""
     sections = _sections(read_head(path, _LONGEST_HEADER))
-    file_list = _merged(sections, "file list")
-    scan = {**_merged(sections, "scanner list"), **_merged(sections, "ciao scan list")}
+    file_list = _merged(sections, _FILE_LISTS)
+    scan = {**_merged(sections, _SCANNER_LISTS), **_merged(sections, _SCAN_LISTS)}
     version = (
         int(file_list.get("version", "0"), 16)
         if re.fullmatch("0x[0-9a-fA-F]{1,8}", file_list.get("version", ""))
         else 0
     )
-    metadata = {"instrument": _merged(sections, "equipment list").get("microscope") or "Nanoscope"}
+    if any(keys.get("operating mode") == "Force" for _, keys in sections) or file_list.get("start context") == "FOL":
+        raise ScanError("The Nanoscope file holds force curves, no map; export the height image of the scan.")
+    metadata = {"instrument": _merged(sections, ("equipment list",)).get("microscope") or "Nanoscope"}
     metadata = {**metadata, "date": file_list.get("date", ""), "version": file_list.get("version", "")}
     channels: list[Channel] = []
     for name, keys in sections:
-        if name.endswith("image list"):
+        if name in _IMAGE_LISTS:
             channels.append(_channel(path, keys, scan, version, metadata, {channel.name for channel in channels}))
     return channels
 
 
 def _sections(head: bytes) -> list[tuple[str, dict[str, str]]]:
-    end = head.lower().find(b"\\*file list end")
+    end = head.lower().find(b"file list end")
     if head.startswith(b"?*"):
         raise ScanError("The Nanoscope file stores its data as text; export it in binary form.")
     if end < 0:
@@ -60,10 +74,10 @@ def _sections(head: bytes) -> list[tuple[str, dict[str, str]]]:
     return sections
 
 
-def _merged(sections: list[tuple[str, dict[str, str]]], name: str) -> dict[str, str]:
+def _merged(sections: list[tuple[str, dict[str, str]]], names: tuple[str, ...]) -> dict[str, str]:
     result: dict[str, str] = {}
     for section, keys in sections:
-        if section == name:
+        if section in names:
             result.update(keys)
     return result
 
@@ -77,7 +91,7 @@ def _channel(
     if bytes_per_pixel not in (2, 4):
         raise ScanError(f"The Nanoscope file holds {bytes_per_pixel} bytes a pixel; only 2 and 4 are understood.")
     stored = 4 if version >= _VERSION_32_BIT and length >= 4 * rows * cols else bytes_per_pixel
-    size_x, size_y = _sizes(keys.get("scan size", ""), scan)
+    size_x, size_y = _sizes(keys, scan, rows, cols)
     if 0 < length < stored * rows * cols and cols > 0:  # a scan that was stopped: fewer lines than asked for
         size_y *= length // (stored * cols) / max(rows, 1)
         rows = length // (stored * cols)
@@ -89,9 +103,11 @@ def _channel(
         name = f"{name} ({keys.get('line direction', 'second')})"
 
     def load() -> Samples:
-        values = read_matrix(path, f"<i{stored}", rows, cols, offset) * per_count
+        counts = read_matrix(path, f"<i{stored}", rows, cols, offset)
         details = {"line_direction": keys.get("line direction", ""), "fast_axis": "x"}
-        return Samples(values, (size_x, size_y), metadata={**metadata, **details})
+        return Samples(
+            counts, (size_x, size_y), metadata={**metadata, **details}, decode=partial(np.multiply, per_count)
+        )
 
     return Channel(name, unit, load)
 
@@ -103,18 +119,47 @@ def _name(keys: dict[str, str]) -> str:
     return match["hard"].strip().strip('"') or (match["soft"] or "").strip() or "Image"
 
 
-def _sizes(value: str, scan: dict[str, str]) -> tuple[float, float]:
-    """Side lengths in metres from ``15 15 ~m`` or ``10000 nm``."""
+def _sizes(keys: dict[str, str], scan: dict[str, str], rows: int, cols: int) -> tuple[float, float]:
+    """Side lengths in metres of an image of so many lines."""
+    value = keys.get("scan size") or scan.get("scan size", "")
+    lengths = _lengths(value)
+    if not lengths:
+        raise ScanError(f"The Nanoscope header gives the scan size '{value[:40]}', which is no length.")
+    x, y = lengths[0], lengths[-1]
+    lines = _whole(scan.get("lines"))
+    slow = _lengths(scan.get("slow axis size", ""))
+    fast = _lengths(scan.get("scan size", ""))
+    if slow and slow[0] > 0:
+        # The scan's own pair; the image's is square even where the scan is not.
+        x, y = (fast or lengths)[0], slow[0]
+        if 0 < rows < lines and _not_square(keys):
+            y *= rows / lines
+    elif y == x and rows > 0 and cols > 0 and _not_square(keys):
+        if _not_square(scan):
+            y *= rows / cols
+        elif lines > 0:
+            y *= rows / lines
+    return x, y
+
+
+def _lengths(value: str) -> list[float]:
+    """The lengths of ``15 15 ~m`` or ``10000 nm`` in metres; empty where they are none."""
     pieces = value.split()
     factor = metres_per(pieces[-1]) if len(pieces) > 1 else None
-    if factor is None:
-        raise ScanError(f"The Nanoscope header gives the scan size '{value[:40]}', which is no length.")
-    x = number(pieces[0], "Scan Size") * factor
-    y = number(pieces[1], "Scan Size") * factor if len(pieces) > 2 else x
-    slow = scan.get("slow axis size", "").split()
-    if len(slow) == 2 and (slow_factor := metres_per(slow[1])) is not None:
-        y = number(slow[0], "Slow Axis Size") * slow_factor
-    return x, y
+    return [] if factor is None else [number(piece, "Scan Size") * factor for piece in pieces[:-1]]
+
+
+def _whole(value: str | None) -> int:
+    return int(value) if value is not None and re.fullmatch(r"\d{1,9}", value) else 0
+
+
+def _not_square(keys: dict[str, str]) -> bool:
+    """Whether ``Aspect Ratio`` is there and another than 1:1; it is written ``2:1`` or ``0.5``."""
+    match = re.match(r"\s*(\d+\.?\d*|\.\d+)\s*(?::\s*(\d+\.?\d*|\.\d+))?", keys.get("aspect ratio", ""))
+    if match is None:
+        return False
+    first, second = float(match[1]), float(match[2] or 1)
+    return first > 0 and second > 0 and abs(first / second - 1) > 1e-9
 
 
 def _scale(keys: dict[str, str], scan: dict[str, str], bytes_per_pixel: int) -> tuple[float, str]:

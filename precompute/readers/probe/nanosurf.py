@@ -7,7 +7,10 @@ the middle of the range that begins at ``Dim2Min``.
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from ...errors import ScanError
 from ..common.binary import integer, number, read_head, read_matrix
@@ -76,8 +79,12 @@ def _channel(path: Path, keys: dict[str, str], offset: int, metadata: dict) -> t
     size_m = number(keys.get("Dim0Range"), "Dim0Range") * per_x, number(keys.get("Dim1Range"), "Dim1Range") * per_y
 
     def load() -> Samples:
-        values = read_matrix(path, dtype, rows, cols, offset) * (span / 2.0**bits)
-        values += low + (span / 2.0 if signed else 0.0)
-        return Samples(values, size_m, metadata=dict(metadata))
+        counts = read_matrix(path, dtype, rows, cols, offset)
+        decode = partial(_heights, step=span / 2.0**bits, zero=low + (span / 2.0 if signed else 0.0))
+        return Samples(counts, size_m, metadata=dict(metadata), decode=decode)
 
     return Channel(f"{keys.get('Dim2Name', 'Channel')} ({keys.get('Frame', '?')})", keys.get("Dim2Unit"), load), size
+
+
+def _heights(counts: np.ndarray, step: float, zero: float) -> np.ndarray:
+    return counts * step + zero

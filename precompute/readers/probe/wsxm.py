@@ -7,6 +7,7 @@ in the unit of the Z amplitude; integers span that amplitude between the header'
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -44,11 +45,13 @@ def read_wsxm(path: Path) -> list[Channel]:
     low, high = keys.get("minimum"), keys.get("maximum")
 
     def load() -> Samples:
-        values = read_matrix(path, _TYPES[kind], rows, cols, start)[:, ::-1].astype(np.float64)
+        values = read_matrix(path, _TYPES[kind], rows, cols, start)[:, ::-1]
+        factor = 1.0
         if kind in ("short", "integer"):
             span = number(high, "Maximum") - number(low, "Minimum")
-            values *= amplitude / span if span > 0 else 1.0
-        return Samples(values, (size_x, size_y), metadata=metadata)
+            factor = amplitude / span if span > 0 else 1.0
+        decode = partial(np.multiply, factor, dtype=np.float64)
+        return Samples(values, (size_x, size_y), metadata=metadata, decode=decode)
 
     return [Channel(keys.get("acquisition channel") or "Topography", unit, load)]
 

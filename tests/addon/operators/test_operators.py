@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a scan to a material by the operators that scripts call."""
 
+import re
 import subprocess
 import sys
 
@@ -8,6 +9,7 @@ import bpy
 import numpy as np
 import pytest
 
+from tests.support import odd_scans
 from tests.support.blender import extension, scenes
 
 pytestmark = pytest.mark.usefixtures("blender")
@@ -130,6 +132,21 @@ def test_bad_scans_give_one_sentence_and_leave_nothing(saved, scan, tmp_path, co
     assert not (saved / "diffraction").exists() or not list((saved / "diffraction").iterdir())
 
 
+def test_sizes_without_a_unit_are_asked_about_in_the_windows_words(saved, tmp_path):
+    path = tmp_path / "wide.ibw"
+    path.write_bytes(odd_scans.igor_without_units(1.0))
+    with pytest.raises(RuntimeError, match="4 m x 3 m") as caught:
+        bpy.ops.diffraction.import_scan(filepath=str(path))
+    assert "Size (um)" in str(caught.value) and "Trust Units" in str(caught.value) and "--" not in str(caught.value)
+    assert bpy.ops.diffraction.import_scan(filepath=str(path), trust_units=True) == {"FINISHED"}
+    state = bpy.context.scene.diffraction
+    assert "metres were assumed" in state.scan_info
+    # What is stored is not asked about again.
+    assert bpy.ops.diffraction.use_stored_scan(name="wide") == {"FINISHED"}
+    bpy.ops.diffraction.import_scan(filepath=str(path), size_um=(8, 6))
+    assert "8 x 6 um" in state.scan_info
+
+
 def test_bake_over_the_limit_and_table_of_another_version(saved, scan):
     bpy.ops.diffraction.import_scan(filepath=str(scan), size_um=(8.1, 8.1), height_nm=118.69)
     with pytest.raises(RuntimeError, match="limit"):
@@ -137,7 +154,7 @@ def test_bake_over_the_limit_and_table_of_another_version(saved, scan):
     assert not (saved / "diffraction" / "grating.exr").exists()
     bpy.ops.diffraction.bake(sigma_s_um=0.7)
     sidecar = saved / "diffraction" / "grating.json"
-    sidecar.write_text(sidecar.read_text().replace('"format_version": 1', '"format_version": 99'))
+    sidecar.write_text(re.sub(r'"format_version": \d+', '"format_version": 99', sidecar.read_text()))
     plane = scenes.add_plane()
     bpy.context.view_layer.update()
     plane.select_set(True)
@@ -188,6 +205,8 @@ def test_panel_draws_from_scan_to_material(saved, scan):
     bpy.ops.diffraction.apply_material()
     shown = []
     for cls in panels.CLASSES:
+        if not hasattr(cls, "draw"):  # a handler of dropped files
+            continue
         if hasattr(cls, "poll") and not cls.poll(bpy.context):
             continue
         stand_in = type("Panel", (), {"layout": bpy.context.window_manager.popmenu_begin__internal("test").layout})

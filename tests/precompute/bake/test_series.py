@@ -92,3 +92,16 @@ def test_stored_terms_give_the_dft_of_p(tmp_path, method):
         for row, col in ((3, 5), (20, 30), (len(terms.fy) - 2, 1)):
             truth = abs((p * np.exp(2j * np.pi * (terms.fx[col] * x + terms.fy[row] * y))).sum())
             assert got[row, col] == pytest.approx(truth, abs=2e-5 * np.abs(p.sum()))
+
+
+def test_bessel_functions_are_scipys():
+    from scipy.special import jv
+
+    from precompute.bake.series import bessel_functions
+
+    for x in (0.0, 1e-12, 1e-6, 0.3, 1.0, 7.5, 14.9, 60.0, 250.0, 390.0):
+        count = int(x) + 120
+        found = bessel_functions(count, x)
+        assert np.abs(found - jv(np.arange(count), x)).max() < 1e-13
+        few = np.arange(int(x) + 10)
+        assert np.allclose(found[: len(few)], jv(few, x), rtol=1e-9, atol=1e-13 if x > 1 else 1e-17)

@@ -81,10 +81,10 @@ def test_nothing_but_missing_points(tmp_path):
     refused(gsf(tmp_path / "s.gsf", np.full((2, 3), np.nan)), "no valid height")
 
 
-@pytest.mark.parametrize("value", ["nan", "inf", "-inf"])
-def test_text_with_nan_or_inf(tmp_path, value):
+@pytest.mark.parametrize("value", ["inf", "-inf"])
+def test_text_with_inf(tmp_path, value):
     (tmp_path / "s.txt").write_text(f"# Width: 1 um\n# Height: 1 um\n# Value units: nm\n1 2\n3 {value}\n")
-    refused(tmp_path / "s.txt", "nan or inf in row 2, column 2")
+    refused(tmp_path / "s.txt", "inf in row 2, column 2")
 
 
 def test_heights_without_units(tmp_path):

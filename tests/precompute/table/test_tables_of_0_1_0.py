@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tables that 0.1.0 saved read as they did, and its bakes come out as they did, bit for bit."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -25,7 +27,13 @@ def test_a_table_reads_as_it_did():
 @pytest.fixture(scope="module")
 def bakes():
     """What 0.1.0 took down, and the same of today's code."""
-    return v0_1_0.recorded("bakes")["bakes"], SCRIPT.bake_all(bake, make_preset, BakeParameters)
+
+    def bake_as_then(*given):
+        """Slices and albedos; what format 2 put above them is not of 0.1.0."""
+        table = bake(*given)
+        return SimpleNamespace(atlas=table.atlas[: table.layout.albedo_y + table.layout.albedo_height])
+
+    return v0_1_0.recorded("bakes")["bakes"], SCRIPT.bake_all(bake_as_then, make_preset, BakeParameters)
 
 
 @pytest.mark.parametrize("name", SCRIPT.BAKES)

@@ -13,7 +13,7 @@ def all_panels():
     return [
         getattr(bpy.types, name)
         for name in dir(bpy.types)
-        if name.startswith("DIFFRACTION_PT_") and getattr(bpy.types, name).bl_category == "Diffraction"
+        if name.startswith("DIFFRACTION_PT_") and getattr(getattr(bpy.types, name), "bl_category", "") == "Diffraction"
     ]
 
 

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The second Blender that makes the asset library: how it is started and watched, and what it runs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+
+from ...precompute.errors import DiffractionError
+
+#: Begins a line of progress: then the fraction and what is being made.
+_MARK = "DIFFRACTION-ASSETS"
+
+_PACKAGE = __package__.rpartition(".addon")[0]
+
+
+def command(target: Path, implementation: str) -> list[str]:
+    """What to start; empty where this is Blender as a module, which has no program."""
+    if not bpy.app.binary_path:
+        return []
+    code = (
+        "import addon_utils, importlib; "
+        f"addon_utils.enable({_PACKAGE!r}); "
+        f"importlib.import_module({__name__!r}).main({str(target)!r}, {implementation!r})"
+    )
+    # The settings of the user are not loaded: their start-up scripts and add-ons have no say in the library.
+    return [
+        bpy.app.binary_path, "--background", "--factory-startup", "--python-exit-code", "1", "--python-expr", code,
+    ]  # fmt: skip
+
+
+def run(words: list[str], progress: Callable[[str, float], None]) -> int:
+    """Start it and hand its progress on; the number of materials.
+
+    Raises
+    ------
+    DiffractionError
+        If it fails, with its last words. Cancelled, from `progress`, ends it.
+    """
+    process = subprocess.Popen(
+        words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8", errors="replace"
+    )
+    last, count, now = "", 0, ("start", 0.0)
+    try:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if line.startswith(_MARK):
+                _, fraction, name = line.strip().split(" ", 2)
+                now = (name, float(fraction))
+                progress(*now)
+                count += name != "done"
+            elif line.strip():
+                last = line.strip()
+                progress(*now)  # raises where the user stops
+        if process.wait() or not count:
+            raise DiffractionError(f"The asset library could not be made: {last or 'the second Blender ended'}")
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+    return count
+
+
+def main(target: str, implementation: str) -> None:
+    """Make the library and tell the progress; in the second Blender."""
+    from .library import build_assets
+
+    def tell(name: str, fraction: float) -> None:
+        print(f"{_MARK} {fraction:.3f} {name}", flush=True)
+
+    build_assets(Path(target), implementation=implementation, progress=tell)
+    sys.stdout.flush()

@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where people look for it: the menu File > Import, files dropped onto the 3-D view, the shader editor's Add menu,
+*Online Manual* in context menus, and `blender -c diffraction`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import bpy
+
+from ...precompute.presets import PRESETS
+from ...precompute.readers.formats import FORMATS
+from ..paths import manual_page
+
+
+def dropped_extensions() -> str:
+    """Endings of scans, for Blender's file handlers; pictures stay with Blender, which makes references of them."""
+    endings = {ending for each in FORMATS if not each.plain for ending in each.extensions}
+    return ";".join(sorted(endings - _OF_BLENDER))
+
+
+#: Pictures and tables that Blender itself takes when they are dropped.
+_OF_BLENDER = {
+    ".png",
+    ".jpg",
+    ".jpeg",
+    ".bmp",
+    ".tif",
+    ".tiff",
+    ".exr",
+    ".hdr",
+    ".webp",
+    ".csv",
+    ".stl",
+    ".ply",
+    ".obj",
+}
+
+
+class DIFFRACTION_FH_scan(bpy.types.FileHandler):
+    """Scans dropped onto the 3-D view"""
+
+    bl_idname = "DIFFRACTION_FH_scan"
+    bl_label = "Surface Scan"
+    bl_import_operator = "diffraction.import_scan"
+    bl_file_extensions = dropped_extensions()
+
+    @classmethod
+    def poll_drop(cls, context: bpy.types.Context) -> bool:
+        return context.area is not None and context.area.type == "VIEW_3D"
+
+
+def _import(self: Any, context: bpy.types.Context) -> None:
+    self.layout.operator("diffraction.import_scan", text="Surface Scan (AFM, profiler)", icon="MESH_GRID")
+
+
+def _add_node(self: Any, context: bpy.types.Context) -> None:
+    if context.space_data.type == "NODE_EDITOR" and context.space_data.tree_type == "ShaderNodeTree":
+        self.layout.separator()
+        self.layout.operator("diffraction.add_node", text="Diffraction", icon="MATERIAL")
+
+
+#: Pages of the guide by patterns of what Blender calls a button: operators, and properties of the scene.
+_PAGES = (
+    ("bpy.types.DIFFRACTION_PG_scene.preset*", "user"),
+    *((f"bpy.types.DIFFRACTION_PG_preset_{name}.*", "parameters") for name in PRESETS),
+    ("bpy.types.DIFFRACTION_PG*", "parameters"),
+    ("bpy.types.diffraction*", "parameters"),
+    ("bpy.ops.diffraction.*", "user"),
+)
+
+
+def manual() -> tuple[str, list[tuple[str, str]]]:
+    """Blender's hook: the guide that lies with the extension."""
+    return Path(manual_page("")).as_uri() + "/", [(pattern.lower(), f"{page}.html") for pattern, page in _PAGES]
+
+
+def command(arguments: list[str]) -> int:
+    """``blender -c diffraction ...``: the same as ``python -m precompute ...``."""
+    from ...precompute.cli import main
+
+    return main(arguments)
+
+
+_MENUS = (("TOPBAR_MT_file_import", _import), ("NODE_MT_shader_node_add_all", _add_node))
+
+_command = None
+
+
+def register() -> None:
+    """Hang everything on."""
+    global _command
+    for name, draw in _MENUS:
+        menu = getattr(bpy.types, name, None)
+        if menu is not None:
+            menu.append(draw)
+    bpy.utils.register_manual_map(manual)
+    if _command is None:
+        _command = bpy.utils.register_cli_command("diffraction", command)
+
+
+def unregister() -> None:
+    """Take it off."""
+    global _command
+    for name, draw in _MENUS:
+        menu = getattr(bpy.types, name, None)
+        if menu is not None:
+            menu.remove(draw)
+    bpy.utils.unregister_manual_map(manual)
+    if _command is not None:
+        bpy.utils.unregister_cli_command(_command)
+        _command = None
+
+
+CLASSES = (DIFFRACTION_FH_scan,)

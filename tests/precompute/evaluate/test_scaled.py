@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One table as that of a stretched, deepened, turned surface, against separate bakes and direct sums."""
+
+import json
+
+import numpy as np
+import pytest
+
+from precompute.bake import bake
+from precompute.cli import main
+from precompute.errors import ParameterError
+from precompute.evaluate.direct import direct_xyz
+from precompute.evaluate.directions import from_angles, uvw
+from precompute.evaluate.scaled import ScaledTable, painted_brdf, scaled_transform
+from precompute.evaluate.surface import brdf
+from precompute.parameters import BakeParameters
+from precompute.presets import make_preset
+from precompute.scan.heightfield import HeightField
+
+PARAMETERS = BakeParameters(sigma_s_m=3e-6, level="none")
+
+
+def rough(s=1.0, q=1.0, pixels=320, side=24e-6):
+    """A smooth random surface, stretched and deepened."""
+    random = np.random.default_rng(7)
+    waves = random.normal(0, 1.2e6, (24, 2))
+    phases = random.uniform(0, 2 * np.pi, 24)
+    axis = (np.arange(pixels) + 0.5) * side / pixels
+    x, y = np.meshgrid(axis, axis)
+    heights = sum(np.sin(kx * x + ky * y + p) for (kx, ky), p in zip(waves, phases, strict=True))
+    return HeightField(q * 12e-9 * heights, s * side / pixels, s * side / pixels)
+
+
+@pytest.fixture(scope="module")
+def table():
+    return bake(rough(), PARAMETERS)
+
+
+def directions(count, seed=1):
+    random = np.random.default_rng(seed)
+    theta, phi = np.arccos(random.uniform(0.5, 1.0, (2, count))), random.uniform(0, 2 * np.pi, (2, count))
+    return from_angles(theta[0], phi[0]), from_angles(theta[1], phi[1])
+
+
+@pytest.mark.parametrize(("s", "q"), [(2 / 3, 1 / 1.3), (0.5, 0.5), (0.8, 1.0), (1.0, 0.7)])
+def test_a_scaled_table_is_that_of_the_stretched_surface(table, s, q):
+    """Luminance-weighted, with the coherence window stretched too."""
+    other = bake(rough(s, q), BakeParameters(sigma_s_m=s * 3e-6, level="none"))
+    wi, wr = directions(4000)
+    mine, its = brdf(ScaledTable(table, s, q), wi, wr)[..., 1], brdf(other, wi, wr)[..., 1]
+    assert np.abs(mine - its).sum() / its.sum() < 0.01
+
+
+def stretched(field, s, q):
+    return HeightField(q * field.heights, s * field.dx, s * field.dy)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("preset", ["sinusoid", "foil", "snake", "blazed", "cd"])
+@pytest.mark.parametrize(("s", "q"), [(2 / 3, 1 / 1.3), (0.5, 0.5), (0.85, 1.0), (0.95, 0.6)])
+def test_twenty_pairs(preset, s, q):
+    """Every structure that paint is for, luminance-weighted."""
+    field = make_preset(preset, 24e-6, 384)
+    one = bake(field, BakeParameters(sigma_s_m=2.4e-6, level="none"))
+    other = bake(stretched(field, s, q), BakeParameters(sigma_s_m=s * 2.4e-6, level="none"))
+    wi, wr = directions(20000)
+    mine, its = brdf(ScaledTable(one, s, q), wi, wr)[..., 1], brdf(other, wi, wr)[..., 1]
+    error = np.abs(mine - its).sum() / its.sum()
+    print(f"{preset} s {s:.2f} q {q:.2f}: {100 * error:.2f} %")
+    assert error < 0.01
+
+
+def test_against_direct_sums(table):
+    """No table of the other surface in between."""
+    s, q = 0.7, 0.8
+    wi, wr = directions(8, seed=3)
+    mine = brdf(ScaledTable(table, s, q), wi, wr)[..., 1]
+    truth = np.array([direct_xyz(rough(s, q), s * 3e-6, "average", i, r)[1] for i, r in zip(wi, wr, strict=True)])
+    assert np.abs(mine - truth).sum() / truth.sum() < 0.015
+
+
+def test_turned_structure_is_the_structure_seen_from_turned_directions(table):
+    wi, wr = directions(200, seed=5)
+    for angle in (0.4, 2.0, -1.1):
+        c, s = np.cos(angle), np.sin(angle)
+        back = np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]])
+        turned = brdf(ScaledTable(table, rotation=angle), wi, wr)
+        np.testing.assert_allclose(turned, brdf(table, wi @ back.T, wr @ back.T), rtol=1e-9, atol=1e-12)
+
+
+def test_albedo_of_a_scaled_table_is_that_of_its_own_bake(table):
+    """Beyond the table's own sampling error, and so the furnace stays closed."""
+    s, q = 0.6, 0.8
+    other = bake(rough(s, q), BakeParameters(sigma_s_m=s * 3e-6, level="none"))
+    wr = from_angles(np.radians([0.0, 20.0, 40.0, 60.0]), np.radians([0.0, 50.0, 130.0, 300.0]))
+    np.testing.assert_allclose(ScaledTable(table, s, q).albedo(wr), other.albedo(wr), rtol=0.02)
+
+
+def test_turning_turns_the_albedo(table):
+    wr = from_angles(np.radians(55.0), np.radians([10.0, 100.0, 200.0]))
+    back = from_angles(np.radians(55.0), np.radians([-20.0, 70.0, 170.0]))
+    turned, plain = ScaledTable(table, 0.9, 0.9, np.radians(30.0)), ScaledTable(table, 0.9, 0.9)
+    np.testing.assert_allclose(turned.albedo(wr), plain.albedo(back), rtol=1e-9)
+
+
+def test_paint_is_one_scaled_table_a_pixel(table):
+    random = np.random.default_rng(2)
+    scale, depth, mask = random.uniform(0.4, 1.0, (3, 3, 4))
+    rotation = random.uniform(0, 6.0, (3, 4))
+    wi, wr = from_angles(0.5, 0.3), from_angles(0.2, 4.0)
+    painted = painted_brdf(table, wi, wr, scale, depth, rotation, mask)
+    for place in np.ndindex(3, 4):
+        one = ScaledTable(table, scale[place], depth[place], rotation[place])
+        np.testing.assert_allclose(painted[place], mask[place] * brdf(one, wi, wr), rtol=1e-9)
+
+
+def test_senseless_scales_count_as_a_hundredth(table):
+    wi, wr = from_angles(0.3, 0.0), from_angles(0.1, 1.0)
+    wanted = scaled_transform(table, *uvw(wi, wr), 0.01, 0.01)
+    for bad in (0.0, -2.0, np.nan):
+        np.testing.assert_array_equal(scaled_transform(table, *uvw(wi, wr), bad, bad), wanted)
+    with pytest.raises(ParameterError, match="A scale of 0 makes no sense"):
+        ScaledTable(table, 0.0)
+
+
+def test_command_line_and_python_agree(table, tmp_path, capsys):
+    path = table.save(tmp_path / "t.exr")
+    words = [
+        "eval",
+        str(path),
+        "--wi",
+        "30",
+        "10",
+        "--wr",
+        "5",
+        "200",
+        "--scale",
+        "0.7",
+        "--depth",
+        "0.9",
+        "--rotation",
+        "25",
+    ]
+    assert main([*words, "--json"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    one = ScaledTable(table, 0.7, 0.9, np.radians(25.0))
+    wi, wr = from_angles(*np.radians((30.0, 10.0))), from_angles(*np.radians((5.0, 200.0)))
+    np.testing.assert_allclose(result["xyz"], brdf(one, wi, wr), rtol=1e-6)
+    assert "note" not in result
+    assert main(["eval", str(path), "--wi", "30", "10", "--wr", "5", "200", "--scale", "1.5"]) == 0
+    assert "passes the rim of the table" in capsys.readouterr().out
+    assert main(["eval", str(path), "--wi", "30", "10", "--wr", "5", "200", "--scale", "-1"]) == 2
+    assert "makes no sense" in capsys.readouterr().err

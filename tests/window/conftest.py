@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender window with the extension in it, for all tests of a run; they follow each other as a working day does."""
+
+import contextlib
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import pytest
+
+from tests.window.desk import Desk
+from tests.window.drivers import Rig, Simulated
+
+ROOT = Path(__file__).resolve().parents[2]
+
+SKIPPED = "no Blender window: give BLENDER=path of a Blender, or WINDOW_RIG= and WINDOW_FOLDER="
+
+
+@pytest.fixture(scope="session")
+def work():
+    """A folder that Blender sees under the same path: WINDOW_WORK, or a new one."""
+    given = os.environ.get("WINDOW_WORK") or os.environ.get("WINDOW_FOLDER")
+    if given:
+        folder = Path(given) / "exchange" if "WINDOW_WORK" not in os.environ else Path(given)
+        return Path(tempfile.mkdtemp(prefix="window_", dir=folder))
+    return Path(tempfile.mkdtemp(prefix="diffraction_window_"))
+
+
+@pytest.fixture(scope="session")
+def zipped(work):
+    """The extension's zip: WINDOW_ZIP, the rig's own build, or that of tools/build."""
+    given = os.environ.get("WINDOW_ZIP")
+    if given:
+        return Path(given)
+    rig = os.environ.get("WINDOW_RIG")
+    if rig:
+        out = work / "extension.zip"
+        subprocess.run([sys.executable, str(Path(rig) / "zip314.py"), str(ROOT), str(out)], check=True)
+        return out
+    subprocess.run(
+        [sys.executable, str(ROOT / "tools/build/build_extension.py"), "--platform", "linux-x64"], check=True
+    )
+    return max(ROOT.glob("dist/*linux*.zip"), key=lambda path: path.stat().st_mtime)
+
+
+@pytest.fixture(scope="session")
+def desk(work):
+    """The window."""
+    blender, rig, folder = (os.environ.get(name) for name in ("BLENDER", "WINDOW_RIG", "WINDOW_FOLDER"))
+    if blender:
+        driver = Simulated(blender, work)
+    elif rig and folder:
+        driver = Rig(rig, folder)
+    else:
+        pytest.skip(SKIPPED)
+    pictures = ROOT / "out" / "window"
+    pictures.mkdir(parents=True, exist_ok=True)
+    try:
+        yield Desk(driver, work, pictures)
+    finally:
+        driver.quit()
+
+
+@pytest.fixture(scope="session")
+def enabled(desk, zipped):
+    """The window with the extension installed from disk, its tab open."""
+    options = f"filepath={str(zipped)!r}, repo='user_default', enable_on_install=True"
+    desk.run(f"bpy.ops.extensions.package_install_files({options})")
+    assert desk.look("[a.module for a in bpy.context.preferences.addons if 'diffraction' in a.module]")
+    desk.open_sidebar()
+    return desk
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    """A picture of what the screen showed when a test failed."""
+    report = yield
+    if call.when == "call" and report.failed and "desk" in item.funcargs:
+        with contextlib.suppress(AssertionError, subprocess.SubprocessError):  # a window that does not answer
+            item.funcargs["desk"].shot(f"failed_{item.name}")
+    return report

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a person does at the window, in words: presses a button, chooses an entry, types a number, looks."""
+
+import json
+import re
+import time
+
+#: How Blender logs what an operator reports.
+_REPORT = re.compile(r"^[0-9:.]+ +operator +\| ")
+
+STATE = "bpy.context.scene.diffraction"
+
+
+class Desk:
+    """A person before a window of Blender.
+
+    Parameters
+    ----------
+    driver
+        Of `drivers`.
+    work
+        A folder that Blender sees too.
+    pictures
+        Where screenshots go.
+    """
+
+    def __init__(self, driver, work, pictures):
+        self.driver, self.work, self._pictures = driver, work, pictures
+        self._places = []
+        self.run = driver.run
+
+    def look(self, expression):
+        """A value of the window's Blender."""
+        return json.loads(self.run(f"import json\nprint(json.dumps({expression}, default=list))"))
+
+    def state(self, name):
+        """A property of the scene's panel."""
+        return self.look(f"{STATE}.{name}")
+
+    def open_sidebar(self):
+        """The sidebar's tab, and the help of the probe, which a new file has not forgotten but whose places changed."""
+        self.run("area().spaces.active.show_region_ui = True")
+        time.sleep(0.5)
+        self.run("show_tab()")
+        time.sleep(0.5)
+        self._places = []
+
+    def new_file(self):
+        """File > New > General."""
+        self.run("with anywhere(): bpy.ops.wm.read_homefile()")
+        time.sleep(1.0)
+        self.open_sidebar()
+
+    def render(self, seconds=240.0):
+        """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
+        import numpy as np
+
+        x, y, width, height = self.look("rectangle('VIEW_3D', 'WINDOW')")
+        self.driver.point(x + width // 3, y + height // 2)
+        self.driver.key("F12")
+        time.sleep(0.5)
+        deadline = time.monotonic() + seconds
+        while self.run("print(bpy.app.is_job_running('RENDER'))") == "True":
+            assert time.monotonic() < deadline, "The render did not end"
+            time.sleep(0.2)
+        place = self.work / "render.png"
+        self.run(f"bpy.data.images['Render Result'].save_render({str(place)!r})")
+        from PIL import Image
+
+        return np.asarray(Image.open(place).convert("RGB")) / 255.0
+
+    def panel(self):
+        """What the sidebar shows now, by pointing at it."""
+        self._places = self.driver.sweep()
+        return [text for text, _, _ in self._places]
+
+    def find(self, what):
+        """Where a button is: a part of its command or data path, which must not go on after it."""
+        pattern = re.escape(what) + r"(?![a-zA-Z_])"
+        near = next((place for text, *place in self._places if re.search(pattern, text)), None)
+        for tries in range(3):
+            found = self.driver.sweep(begin=near[1] if near else None, until=pattern)
+            self._remember(found)
+            if found and re.search(pattern, found[-1][0]):
+                place = tuple(found[-1][1:])
+                self.driver.point(*place)
+                if re.search(pattern, self.run("print(under())")):
+                    return place
+            near = None
+            self.scroll(30 if tries == 0 else -14)
+        seen = "\n".join(text for text, _, _ in self._places)
+        raise AssertionError(f"{what} is not in the sidebar, which shows\n{seen}")
+
+    def _remember(self, found):
+        new = {text: (text, x, y) for text, x, y in found}
+        self._places = [*(place for place in self._places if place[0] not in new), *new.values()]
+
+    def scroll(self, clicks):
+        """Turn the wheel over the sidebar."""
+        left, bottom, width, height = self.look("rectangle()")
+        x, y = left + width // 3, bottom + height // 2
+        self.driver.point(x, y)
+        kind = "WHEELUPMOUSE" if clicks > 0 else "WHEELDOWNMOUSE"
+        for _ in range(abs(clicks)):
+            self.run(f"send({kind!r}, 'PRESS', {x}, {y})")
+        time.sleep(0.3)
+
+    def press(self, what, wait=True):
+        """A click on a button of the sidebar; waits until what it started has ended."""
+        self.driver.click(*self.find(what))
+        time.sleep(0.2)
+        if wait:
+            self.wait()
+
+    def wait(self, seconds=180.0):
+        """Until nothing is computed any more."""
+        deadline = time.monotonic() + seconds
+        while self.run("print(busy())") == "True":
+            assert time.monotonic() < deadline, "It did not end"
+            time.sleep(0.1)
+        time.sleep(0.2)
+
+    def enter(self, what, text):
+        """Type into a field."""
+        self.driver.point(*self.find(what))
+        self.driver.key("RET")
+        time.sleep(0.1)
+        self.driver.key("A", ctrl=True)
+        self.driver.type(str(text))
+        self.driver.key("RET")
+        time.sleep(0.2)
+
+    def choose(self, name, identifier, owner=STATE):
+        """Choose an entry of a menu."""
+        items = self.look(f"[i.identifier for i in {owner}.bl_rna.properties['{name}'].enum_items]")
+        self.driver.click(*self.find(f".{name}"))
+        time.sleep(0.3)
+        self.driver.key("HOME")
+        for _ in range(items.index(identifier)):
+            self.driver.key("DOWN_ARROW")
+        self.driver.key("RET")
+        time.sleep(0.3)
+        assert self.look(f"{owner}.{name}") == identifier
+
+    def switch(self, name):
+        """Click a check box."""
+        self.driver.click(*self.find(f".{name}"))
+        time.sleep(0.2)
+
+    def open_panel(self, name, above):
+        """Click the header of a closed panel that stands below something."""
+        self.run("watch_panels()")
+        _, y = self.find(above)
+        left = self.look("rectangle()")[0] + 60
+        for drop in range(20, 130, 11):
+            self.run("drawn()")
+            self.driver.click(left, y - drop)
+            time.sleep(0.3)
+            self.run("area().tag_redraw()")
+            time.sleep(0.3)
+            if f"DIFFRACTION_PT_{name}" in json.loads(self.run("drawn()")):
+                return
+        raise AssertionError(f"The panel {name} did not open")
+
+    def shot(self, name):
+        """A picture for people."""
+        self.driver.shot(self._pictures / f"{name}.png")
+
+    def console(self):
+        """Lines that Blender printed since the last call, without what operators told."""
+        text = self.driver.log.read_text(encoding="utf-8", errors="replace")
+        new, self._read = text[getattr(self, "_read", 0) :], len(text)
+        return [line for line in new.splitlines() if line.strip() and not _REPORT.search(line)]

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two ways to a window: a Blender that the tests start, driven by its own event simulation, or a rig's real mouse."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+SCREEN = (1200, 1200)
+
+#: Keys by Blender's names, as xdotool calls them.
+_XDOTOOL = {
+    "RET": "Return", "ESC": "Escape", "HOME": "Home", "END": "End", "DOWN_ARROW": "Down", "UP_ARROW": "Up",
+    "BACK_SPACE": "BackSpace", "TAB": "Tab", "F12": "F12", "F11": "F11", "SPACE": "space",
+}  # fmt: skip
+
+#: Characters by Blender's names of their keys.
+_KEYS = {
+    "0": "ZERO", "1": "ONE", "2": "TWO", "3": "THREE", "4": "FOUR",
+    "5": "FIVE", "6": "SIX", "7": "SEVEN", "8": "EIGHT", "9": "NINE",
+    ".": "PERIOD", "-": "MINUS", "/": "SLASH", "_": "MINUS", " ": "SPACE",
+}  # fmt: skip
+
+
+class Simulated:
+    """A Blender started in the foreground, with `--enable-event-simulate`.
+
+    Parameters
+    ----------
+    blender
+        The program.
+    folder
+        Of its own: settings, extensions, screenshots' raw files.
+    arguments
+        More for Blender.
+    """
+
+    simulates = True
+
+    def __init__(self, blender, folder, *arguments):
+        self.folder = folder / "agent"
+        shutil.rmtree(self.folder, ignore_errors=True)
+        self.folder.mkdir(parents=True)
+        shutil.copy(HERE / "agent.py", self.folder)
+        self.log = folder / "blender.log"
+        environment = {
+            **os.environ,
+            "WINDOW_AGENT_FOLDER": str(self.folder),
+            "BLENDER_USER_RESOURCES": str(folder / "user"),
+        }
+        command = [
+            blender, "--enable-event-simulate", "--window-geometry", "0", "0", *map(str, SCREEN),
+            "--python", str(self.folder / "agent.py"), *arguments,
+        ]  # fmt: skip
+        if not os.environ.get("DISPLAY"):
+            command = ["xvfb-run", "-a", "-s", f"-screen 0 {SCREEN[0]}x{SCREEN[1]}x24", *command]
+        with open(self.log, "w", encoding="utf-8") as log:
+            self._process = subprocess.Popen(
+                command, stdout=log, stderr=subprocess.STDOUT, env=environment, start_new_session=True
+            )
+        self._count = 0
+        deadline = time.monotonic() + 120.0
+        while not (self.folder / "ready").exists():
+            assert self._process.poll() is None and time.monotonic() < deadline, self.log.read_text()
+            time.sleep(0.05)
+        self._at = (10, 10)
+        self.run((HERE / "probe.py").read_text(encoding="utf-8"))
+
+    def run(self, code, timeout=300.0):
+        """Run Python in the window's Blender; what it prints, or its last value."""
+        self._count += 1
+        place = self.folder / str(self._count)
+        new = place.with_suffix(".new")
+        new.write_text(code, encoding="utf-8")
+        new.rename(place.with_suffix(".in"))
+        deadline = time.monotonic() + timeout
+        while True:
+            for suffix in (".out", ".err"):
+                answer = place.with_suffix(suffix)
+                if answer.exists():
+                    text = answer.read_text(encoding="utf-8")
+                    answer.unlink()
+                    assert suffix == ".out", text
+                    return text.strip()
+            assert self._process.poll() is None, f"Blender ended: {self.log.read_text()[-2000:]}"
+            assert time.monotonic() < deadline, f"Blender did not answer {code!r}"
+            time.sleep(0.01)
+
+    def point(self, x, y, number=0):
+        """Move the mouse; pixels of the window, y upwards."""
+        self._at = (x, y)
+        self.run(f"send('MOUSEMOVE', 'NOTHING', {x}, {y}, {number})")
+        time.sleep(0.08)
+
+    def click(self, x, y, number=0):
+        """A click of the left button."""
+        self.point(x, y, number)
+        for value in ("PRESS", "RELEASE"):
+            self.run(f"send('LEFTMOUSE', '{value}', {x}, {y}, {number})")
+            time.sleep(0.04)
+        time.sleep(0.1)
+
+    def key(self, name, number=0, **modifiers):
+        """A key by Blender's name, over the place where the mouse is."""
+        for value in ("PRESS", "RELEASE"):
+            self.run(f"send('{name}', '{value}', {self._at[0]}, {self._at[1]}, {number}, **{modifiers})")
+            time.sleep(0.03)
+
+    def type(self, text):
+        """Characters into a field that is being edited."""
+        lines = []
+        for letter in text:
+            key = _KEYS.get(letter, letter.upper())
+            shift = letter.isupper() or letter == "_"
+            lines += [
+                f"send({key!r}, 'PRESS', {self._at[0]}, {self._at[1]}, unicode={letter!r}, shift={shift})",
+                f"send({key!r}, 'RELEASE', {self._at[0]}, {self._at[1]}, shift={shift})",
+            ]
+        self.run("\n".join(lines))
+        time.sleep(0.05)
+
+    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+        """What lies in a region: commands and data paths with their places, till one matches a pattern."""
+        self.run(f"sweep({kind!r}, {name!r}, {number}, {begin}, {until!r})")
+        deadline = time.monotonic() + 60.0
+        while not (found := self.run("swept()")):
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        return json.loads(found)
+
+    def shot(self, path):
+        """A picture of the screen."""
+        display = dict(
+            line.split("=", 1)
+            for line in self.run(
+                "import os\nfor n in ('DISPLAY', 'XAUTHORITY'):\n    print(n + '=' + os.environ.get(n, ''))"
+            ).splitlines()
+        )
+        time.sleep(0.4)
+        if shutil.which("xwd") and shutil.which("convert"):
+            environment = {**os.environ, **{key: value for key, value in display.items() if value}}
+            raw = self.folder / "shot.xwd"
+            subprocess.run(["xwd", "-silent", "-root", "-out", str(raw)], check=True, env=environment)
+            subprocess.run(["convert", f"xwd:{raw}", str(path)], check=True)
+        else:
+            self.run(f"shot({str(path)!r})")
+
+    def gaps(self):
+        """Seconds of the waits over 0.05 s of the window since the last call, the longest first."""
+        place = self.folder / "gaps.log"
+        self.run("0")
+        found = sorted((float(line) for line in place.read_text().split()), reverse=True) if place.exists() else []
+        place.unlink(missing_ok=True)
+        return found
+
+    def quit(self):
+        """Close without saving."""
+        if self._process.poll() is None:
+            with_window = "with bpy.context.temp_override(window=window()): bpy.ops.wm.quit_blender()"
+            (self.folder / "quit.new").write_text(with_window, encoding="utf-8")
+            (self.folder / "quit.new").rename(self.folder / "quit.in")
+        try:
+            self._process.wait(30)
+        except subprocess.TimeoutExpired:
+            os.killpg(self._process.pid, 9)
+            self._process.wait()
+
+
+class Rig:
+    """The window of a rig: its scripts move a real mouse. Its folder must be set up."""
+
+    simulates = False
+
+    def __init__(self, scripts, folder, *arguments):
+        self._scripts, self._folder = Path(scripts), Path(folder)
+        self.log = self._folder / "run" / "blender.log"
+        subprocess.run(["bash", str(self._scripts / "blender.sh"), str(folder), *arguments], check=True)
+        self._x("gaps")
+        self.run((HERE / "probe.py").read_text(encoding="utf-8"))
+        self._top = int(self.run("print(window().y + window().height)"))
+
+    def _x(self, *words, timeout=120):
+        done = subprocess.run(
+            ["bash", str(self._scripts / "x.sh"), str(self._folder), *map(str, words)],
+            capture_output=True, text=True, timeout=timeout, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stdout + done.stderr
+        return done.stdout.strip()
+
+    def run(self, code, timeout=300.0):
+        return self._x("py", code)
+
+    def _screen(self, x, y):
+        return x + int(self.run("print(window().x)")), 1080 - self._bottom() - y
+
+    def _bottom(self):
+        return int(self.run("print(window().y)"))
+
+    def point(self, x, y, number=0):
+        self._x("move", *self._screen(x, y))
+
+    def click(self, x, y, number=0):
+        self._x("click", *self._screen(x, y))
+
+    def key(self, name, number=0, **modifiers):
+        word = _XDOTOOL.get(name, name.lower())
+        self._x("key", "+".join([*(m for m, on in modifiers.items() if on), word]))
+
+    def type(self, text):
+        self._x("type", text)
+
+    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+        found = []
+        for x, y in json.loads(self.run(f"print(json.dumps(places({kind!r}, {name!r}, {number}, {begin})))")):
+            self.point(x, y)
+            text = self.run(f"print(under({kind!r}, {name!r}, {number}))")
+            if text:
+                found.append([text, x, y])
+                if until and re.search(until, text):
+                    break
+        return found
+
+    def shot(self, path):
+        self._x("shot", path)
+
+    def gaps(self):
+        return [float(line.split()[0]) for line in self._x("gaps").splitlines()]
+
+    def quit(self):
+        self._x("quit")
+        subprocess.run(["bash", str(self._scripts / "stop.sh"), str(self._folder)], check=False)
