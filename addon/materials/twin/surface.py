@@ -143,15 +143,20 @@ def _surface_direction(graph: Graph, columns: list[Socket], given: Socket) -> So
 def _frame(graph: Graph, given: Any, n: Socket, in_eevee: Socket) -> tuple[Socket, Socket]:
     """Tangent and bitangent, mirrored as the UV map is.
 
-    Where no tangent is given it is that of the active UV map. Cycles knows the map's sign as an attribute, which counts
-    times that of the object's determinant; EEVEE has only the second vector of a normal map, which costs more.
+    Where no tangent is given it is that of the active UV map. Cycles knows it in the object's space and the map's sign
+    as attributes (a Tangent node turns it like a normal); the sign counts times that of the object's determinant. EEVEE
+    has only the two vectors of a normal map, which cost more.
     """
     is_given = graph.math("GREATER_THAN", graph.scalar("LENGTH", given["Tangent"]), 0.0)
     columns = _columns(graph)
-    along, sign = frame.uv_directions(graph.tree)
-    _, across_uv = frame.uv_frame(graph.tree)
-    for socket in (along, sign, across_uv):
+    read = [graph.add("ShaderNodeAttribute", attribute_name=name) for name in ("tangent", "tangent_sign")]
+    turned = graph.add("ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD")
+    graph.put(turned.inputs[0], read[0].outputs["Vector"])
+    along, sign = turned.outputs[0], read[1].outputs["Fac"]
+    along_uv, across_uv = frame.uv_frame(graph.tree)
+    for socket in (along_uv, across_uv):
         socket.node.hide = True
+    along = graph.mix(in_eevee, along, _surface_direction(graph, columns, along_uv))
     as_normal = _surface_direction(graph, columns, given["Tangent"])
     own = graph.mix(given["TangentIsDirection"], as_normal, given["Tangent"])
     t = graph.mix(is_given, along, own)
