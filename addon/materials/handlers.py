@@ -91,7 +91,7 @@ def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -
 
 
 @persistent
-def _file_loaded(*_) -> None:
+def _file_loaded(*_: object) -> None:
     light_list.forget()
     _said.clear()
     _quick.clear()
@@ -102,20 +102,20 @@ def _file_loaded(*_) -> None:
 
 
 @persistent
-def _many(*_) -> None:
+def _many(*_: object) -> None:
     group.follow_working_space()
     update_all()
 
 
 @persistent
-def _rendering(scene: bpy.types.Scene, *_) -> None:
+def _rendering(scene: bpy.types.Scene, *_: object) -> None:
     """Before a render and each of its frames, after whatever other handlers did to the lamps."""
     update_lights(scene)
     _go_last()
 
 
 @persistent
-def _frame_changed(scene: bpy.types.Scene, *_) -> None:
+def _frame_changed(scene: bpy.types.Scene, *_: object) -> None:
     if _quick.get(scene.as_pointer()) != _quick_look(scene):
         update_lights(scene)
 
