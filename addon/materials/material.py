@@ -191,11 +191,11 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
     image = atlas_image(path)
-    directions, albedo_free = None, 2.0
-    if settings.implementation == "OSL":
-        directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
-    elif image.packed_file is None:
-        image.pack()
+    directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
+    if settings.implementation == "NODES":
+        for each in (image, directions):
+            if each.packed_file is None:
+                each.pack()
     tree = group.build(
         path.stem, settings.implementation, (image, directions), sidecar, settings.fresnel, settings.conserve_energy,
         albedo_free,

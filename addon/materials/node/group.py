@@ -94,7 +94,7 @@ def build(
     implementation
         ``OSL`` or ``NODES``.
     images
-        Atlas and, for OSL, the image of directions.
+        Atlas and image of directions.
     sidecar
         Of the table.
     fresnel, conserve
@@ -113,7 +113,11 @@ def build(
     light = light if isinstance(light, str) else json.dumps(to_json(light))
     image, directions = images
     variant = json.dumps([fresnel, conserve] if implementation == "NODES" else [])
-    source = osl.source(layout, albedo_max, albedo_free=albedo_free) if implementation == "OSL" else ""
+    source = (
+        osl.source(layout, albedo_max, albedo_free=albedo_free)
+        if implementation == "OSL"
+        else f"{nodes_twin.VERSION} {albedo_free!r}"
+    )
     sockets = [socket.name for socket in interface.SOCKETS]
     made_from = [sidecar["atlas"]["sha256"], source, light, sidecar["layout"], sockets]
     stamp = hashlib.sha256(json.dumps(made_from, sort_keys=True).encode()).hexdigest()
@@ -125,7 +129,7 @@ def build(
             if implementation == "OSL":
                 _fill_with_osl(tree, stem, source, own)
             else:
-                nodes_twin.build(tree, stem, image, layout, albedo_max, fresnel, conserve, own)
+                nodes_twin.build(tree, stem, images, layout, albedo_max, fresnel, conserve, own, albedo_free)
             _mask(tree)
         except Exception:
             if found is None:
