@@ -40,8 +40,8 @@ def sources(scene: bpy.types.Scene) -> Iterator[Source]:
 
 def _turn(node: bpy.types.Node) -> bpy.types.Node | Matrix | None:
     """What turns a texture: a Mapping node about z alone (which a driver can follow), a matrix, or None if unknown."""
-    socket = node.inputs["Vector"]
-    if not socket.links:
+    socket = node.inputs.get("Vector")  # skies of Blender 5 have none
+    if socket is None or not socket.links:
         return Matrix.Identity(3)
     before = socket.links[0].from_node
     if before.bl_idname == "ShaderNodeTexCoord":

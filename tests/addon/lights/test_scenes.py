@@ -148,6 +148,7 @@ def test_without_a_list_the_pigment_alone_shows(blender, tmp_path):
     try:
         assert shot() == pytest.approx(with_list, rel=1e-6)
         lists.remove(bpy.context.scene)
+        sphere.active_material.node_tree.nodes["Diffraction"].inputs["Fresnel"].default_value = 1
         sphere.active_material.node_tree.nodes["Pigment"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1)
         pigment = shot()
         assert pigment.max() > 0.01 and pigment.max() == pytest.approx(pigment.min(), rel=1e-3)
