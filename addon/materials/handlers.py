@@ -15,7 +15,7 @@ from mathutils import Vector
 
 from ..lights import gather, instances, light_list
 from . import material, setup
-from .node import group
+from .node import group, migrate
 
 #: What was said of each scene's lights, so that it is said once.
 _said: dict[int, str] = {}
@@ -116,6 +116,8 @@ def _file_loaded(*_) -> None:
     _quick.clear()
     _written.clear()
     group.follow_working_space()
+    for sentence in migrate.migrate_all():
+        print(f"Diffraction: {sentence}.")
     for sentence in setup.give_back_importance_sampling():
         print(f"Diffraction: {sentence}.")
     update_all()
@@ -125,6 +127,14 @@ def _file_loaded(*_) -> None:
 def _many(*_) -> None:
     group.follow_working_space()
     update_all()
+
+
+@persistent
+def _imported(*_) -> None:
+    """After append, link and paste."""
+    for sentence in migrate.migrate_all():
+        print(f"Diffraction: {sentence}.")
+    _many()
 
 
 @persistent
@@ -160,7 +170,7 @@ _HANDLERS = (
     ("depsgraph_update_post", _depsgraph_updated),
     ("load_post", _file_loaded),
     ("save_pre", _many),
-    ("blend_import_post", _many),
+    ("blend_import_post", _imported),
     ("render_init", _rendering),
     ("render_pre", _rendering),
     ("frame_change_post", _frame_changed),

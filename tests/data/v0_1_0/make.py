@@ -169,7 +169,10 @@ def stage(bpy):
 def settings_of(bpy):
     """What the panel of an opened file shows, and what is remembered with its material."""
     state = bpy.context.scene.diffraction
-    (material,) = [material for material in bpy.data.materials if "diffraction_table" in material]
+    # Today the node's group knows the table, in 0.1.0 the material did.
+    (material,) = [
+        material for material in (*bpy.data.materials, *bpy.data.node_groups) if "diffraction_table" in material
+    ]
     names = ("table_path", "scan_path", "sigma_s_um", "ensemble", "level", "detail", "illuminant", "preset")
     return {
         "scene": {name: getattr(state, name) for name in names},
