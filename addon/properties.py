@@ -338,7 +338,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     )  # fmt: skip
 
     preset: EnumProperty(
-        name="Preset", description="A structure that needs no microscope", items=preset_properties.ITEMS
+        name="Preset", description="A structure that needs no microscope", items=preset_properties.ITEMS, default="cd"
     )
     preset_size_um: preset_size()
     preset_pixels: preset_pixels()
@@ -363,6 +363,7 @@ def prepare() -> None:
         name="Preset",
         description="A structure that needs no microscope",
         items=preset_properties.pictured_items(),
+        default="cd",  # its colours are seen on any object under any lamp
     )
 
 

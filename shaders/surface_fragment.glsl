@@ -79,7 +79,7 @@ void main()
     light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
 #ifdef REPLACE
     pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);
-    light += (vec3(1.0) - fresnel(abs(cos_r))) * pigment;
+    light += (vec3(1.0) - kept_from_below(abs(cos_r))) * pigment;
 #endif
     out_colour = vec4(displayed(light), 1.0);
 }

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import bpy
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 
 from . import chains
 from .slots import KINDS, SLOTS
@@ -270,7 +270,7 @@ def power_at(light: bpy.types.Light, world: Matrix) -> float:
     return power / (math.pi * sphere * max(world.translation.length_squared, 1e-6))
 
 
-def irradiance(lamp: LampObject, point) -> float:
+def irradiance(lamp: LampObject, point: Vector) -> float:
     """About what a lamp sheds on a place, W/m^2 (luminance of its colour, shadows left out)."""
     seen = describe(lamp)
     power = seen.energy * (0.2126 * seen.colour[0] + 0.7152 * seen.colour[1] + 0.0722 * seen.colour[2])

@@ -110,7 +110,7 @@ def _may_light(ob: bpy.types.Object, update: bpy.types.DepsgraphUpdate) -> bool:
 
 
 @persistent
-def _file_loaded(*_) -> None:
+def _file_loaded(*_: object) -> None:
     light_list.forget()
     _said.clear()
     _quick.clear()
@@ -124,13 +124,13 @@ def _file_loaded(*_) -> None:
 
 
 @persistent
-def _many(*_) -> None:
+def _many(*_: object) -> None:
     group.follow_working_space()
     update_all()
 
 
 @persistent
-def _imported(*_) -> None:
+def _imported(*_: object) -> None:
     """After append, link and paste."""
     for sentence in migrate.migrate_all():
         print(f"Diffraction: {sentence}.")

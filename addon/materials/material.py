@@ -11,6 +11,7 @@ import bpy
 
 from ...precompute.errors import ParameterError, TableError
 from ...precompute.table import importance
+from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import SpectralTable, read_sidecar
 from .. import colour_spaces, paths
 from ..versions import give_nodes, tells_mirrored_uv
@@ -164,6 +165,7 @@ def apply(material: bpy.types.Material, table: str | Path, settings: Settings) -
     node.node_tree = tree
     _connect(node, settings)
     set_settings(node, settings)
+    _hide_what_is_inside(node, table)
     travel.sync(tree)
     setup.prepare_material(material)
     return material
@@ -212,7 +214,17 @@ def set_table(material: bpy.types.Material, table: str | Path) -> None:
     """
     tree = table_group(table, settings_of(material))
     shader_node(material).node_tree = tree
+    _hide_what_is_inside(shader_node(material), table)
     travel.sync(tree)
+
+
+def _hide_what_is_inside(node: Any, table: str | Path) -> None:
+    """Sockets that say what the table holds already (its stack, its lacquer), or what it has not, are not shown."""
+    sidecar = read_sidecar(paths.absolute(str(table)).with_suffix(".exr"))
+    layout = TableLayout.from_dict(sidecar["layout"])
+    for name in ("Fresnel", "IOR", "ConductorN", "ConductorK"):
+        node.inputs[name].hide = layout.holds_reflectance
+    node.inputs["LacquerRoughness"].hide = layout.index == 1.0
 
 
 def set_settings(node: bpy.types.Node, settings: Settings) -> None:

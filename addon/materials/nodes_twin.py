@@ -57,8 +57,9 @@ def build(
     texels = node_lookup.bilinear(image, layout)
     table = node_lookup.transform(stem, layout, texels)
     albedo = node_lookup.albedo(stem, layout, texels) if conserve and albedo_max > 1.0 else None
+    reflectance = node_lookup.reflectance(stem, layout, texels) if layout.holds_reflectance else None
     tree.nodes.clear()
-    surface = _Surface(Graph(tree), table, albedo, fresnel, own)
+    surface = _Surface(Graph(tree), table, albedo, fresnel, own, reflectance, layout.index)
     cycles, eevee = surface.base(), surface.base()
     seen: Value = (0.0, 0.0, 0.0)
     for slot in range(1, slots.SLOTS + 1):
@@ -90,9 +91,19 @@ class _Surface:
     """The nodes that all lamps share, and those of one lamp."""
 
     def __init__(
-        self, graph: Graph, table: bpy.types.NodeTree, albedo: bpy.types.NodeTree | None, fresnel: str, own: Any
+        self,
+        graph: Graph,
+        table: bpy.types.NodeTree,
+        albedo: bpy.types.NodeTree | None,
+        fresnel: str,
+        own: Any,
+        reflectance: bpy.types.NodeTree | None = None,
+        index: float = 1.0,
     ) -> None:
-        self.graph, self._table, self._albedo, self._fresnel = graph, table, albedo, fresnel
+        self.graph, self._table, self._albedo = graph, table, albedo
+        # What the table holds is not multiplied in once more.
+        self._fresnel = fresnel if reflectance is None else "NONE"
+        self._kept, self._index = reflectance, index
         self._in = graph.add("NodeGroupInput").outputs
         self._rows = lamp_nodes.matrix(graph, own)
         geometry = graph.add("ShaderNodeNewGeometry")
@@ -106,6 +117,8 @@ class _Surface:
         front = graph.math("GREATER_THAN", self._cos_r, 0.0)
         self._front = graph.product(front, graph.difference(1.0, geometry.outputs["Backfacing"]))
         self._albedo_r = self._albedo_of(self._wr)
+        if index > 1.0:
+            self._face_r, self._inner_r = self._outer_face(self._cos_r), self._inside(self._cos_r)
 
     def _surface_direction(self, given: Socket) -> Socket:
         """Undo the transform of normals and apply that of directions, see ``shaders/diffraction.osl``.
@@ -184,14 +197,41 @@ class _Surface:
         return graph.product(graph.sum(rs, rp), 0.5)
 
     def base(self) -> Socket:
-        """The pigment, weighted by 1 - R at the view angle."""
-        reflectance = self._reflectance(self._cos_r)
+        """The pigment, weighted by 1 - R at the view angle, and the mirror of a lacquer's outer face."""
+        reflectance: Value = self._reflectance(self._cos_r)
+        if self._kept is not None:
+            xyz = self.graph.group(self._kept, Cosine=self._cos_r).outputs["XYZ"]
+            rows = [self.graph.scalar("DOT_PRODUCT", row, xyz) for row in self._rows]
+            rows = [self.graph.clamp(row, 0.0, 1.0) for row in rows]
+            reflectance = self.graph.product(self.graph.sum(self.graph.sum(rows[0], rows[1]), rows[2]), 1.0 / 3.0)
         if isinstance(reflectance, bpy.types.NodeSocket) and reflectance.type == "VECTOR":
             reflectance = self.graph.product(self.graph.scalar("DOT_PRODUCT", reflectance, (1.0, 1.0, 1.0)), 1.0 / 3.0)
         node = self.graph.add("ShaderNodeMixShader")
         self.graph.put(node.inputs[0], reflectance)
         self.graph.put(node.inputs[1], self._in["Base"])
-        return node.outputs[0]
+        if self._index == 1.0:
+            return node.outputs[0]
+        mirror = self.graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
+        face = self.graph.product(self._face_r, self._front)
+        self.graph.put(mirror.inputs["Color"], self.graph.join(face, face, face))
+        self.graph.put(mirror.inputs["Roughness"], self._in["LacquerRoughness"])
+        self.graph.put(mirror.inputs["Normal"], self._n)
+        return self.both(node.outputs[0], mirror.outputs[0])
+
+    def _outer_face(self, cosine: Socket) -> Socket:
+        """Exact reflectance of the lacquer's outer face, as ``fresnel_exact`` in ``shaders/brdf.osl``."""
+        graph, n2 = self.graph, self._index**2
+        c = graph.clamp(cosine, 1e-6, 1.0)
+        inside = graph.math("SQRT", graph.fused(c, c, n2 - 1.0))
+        s = graph.quotient(graph.difference(c, inside), graph.sum(c, inside))
+        dense = graph.product(c, n2)
+        p = graph.quotient(graph.difference(dense, inside), graph.sum(dense, inside))
+        return graph.product(graph.fused(s, s, graph.product(p, p)), 0.5)
+
+    def _inside(self, cosine: Socket) -> Socket:
+        """Cosine of a direction behind the outer face."""
+        graph, n2 = self.graph, self._index**2
+        return graph.math("SQRT", graph.product(graph.fused(cosine, cosine, n2 - 1.0), 1.0 / n2))
 
     def both(self, a: Socket, b: Socket) -> Socket:
         """Two closures added."""
@@ -268,6 +308,15 @@ class _Surface:
         w = graph.math("MAXIMUM", graph.sum(cos_i, self._cos_r), 1e-4)
         mirror = graph.sum(graph.scalar("DOT_PRODUCT", wi, self._wr), 1.0)
         factor = graph.quotient(graph.product(mirror, mirror), graph.product(self._cos_r, w, w))
+        if self._index > 1.0:  # seen through a clear layer, see ``shaders/brdf.osl``
+            inner_i, inner_r = self._inside(cos_i), self._inner_r
+            plane = graph.fused(x, self._wr_x, graph.product(y, self._wr_y))
+            inner = graph.fused(plane, self._index**-2, graph.fused(inner_i, inner_r, 1.0))
+            steep = graph.sum(inner_i, inner_r)
+            through = graph.product(graph.difference(1.0, self._outer_face(cos_i)), graph.difference(1.0, self._face_r))
+            lower = graph.product(graph.product(inner_i, inner_r), steep, steep)
+            factor = graph.quotient(graph.product(through, graph.product(inner, inner), cos_i), lower)
+            w = graph.product(steep, self._index)
         if self._albedo is not None:
             largest = graph.math("MAXIMUM", graph.math("MAXIMUM", self._albedo_of(wi), self._albedo_r), 1.0)
             factor = graph.quotient(factor, largest)

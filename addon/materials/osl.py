@@ -39,6 +39,9 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
     """
     numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
     numbers["TABLE_ALBEDO_Y"] = layout.conserving_y
+    numbers["TABLE_HOLDS_REFLECTANCE"] = int(layout.holds_reflectance)
+    numbers["TABLE_HAS_LACQUER"] = int(layout.index > 1.0)
+    numbers["TABLE_INDEX"] = layout.index
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
     numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
     numbers["LAMPS_MAX"] = LAMPS_MAX

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Any, cast
 
 import bpy
 from bpy.props import EnumProperty, StringProperty
@@ -11,6 +11,7 @@ from bpy.props import EnumProperty, StringProperty
 from ...precompute.errors import DiffractionError
 from .. import paths, properties
 from ..given import is_given
+from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy, has_scan
 from ..materials import refresh
 from ..preferences import bake_device, table_cache
@@ -54,10 +55,10 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     name: StringProperty(name="Name", description="Name of the table; empty takes the scan's", options={"SKIP_SAVE"})
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return has_scan(cls, context) and not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """One bake. What the caller left out is taken from the panel, what is used is shown there."""
         state = context.scene.diffraction
         given = is_given(self, "illuminant_file")
@@ -72,7 +73,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         device = self.device if is_given(self, "device") else bake_device()
         return [BakeJob(source, paths.data_folder(), name, chosen, reading, table_cache(), device)]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The table becomes the scene's, and materials that use it are brought up to it."""
         (result,) = results
         state = context.scene.diffraction

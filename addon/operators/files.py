@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import bpy
 from bpy.props import EnumProperty, StringProperty
@@ -14,6 +15,7 @@ from bpy.props import EnumProperty, StringProperty
 from ...precompute.errors import DiffractionError, TableError
 from ...precompute.files.atomic import atomic_path
 from .. import paths
+from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
 from ..materials import material, refresh, travel
 from ..materials.node import group
@@ -53,7 +55,7 @@ class DIFFRACTION_OT_check_files(bpy.types.Operator):
     bl_idname = "diffraction.check_files"
     bl_label = "Check Files"
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         found = list(problems())
         for each, text in found:
             self.report({"WARNING"}, f"{each.name}: {text}")
@@ -73,20 +75,20 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
     scope: EnumProperty(name="Scope", description="Which tables", items=SCOPE_ITEMS)
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not any(material.is_ours(each) for each in bpy.data.materials):
             cls.poll_message_set("No material of this file has a table")
             return False
         return not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """A bake for each table."""
         self._targets = self._chosen(context)
         if not self._targets:
             raise TableError("No table is broken; choose the active material or all tables to bake them again.")
         return [self._job(users[0], place) for place, users in self._targets]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """Materials and scenes of each table follow."""
         for (place, users), result in zip(self._targets, results, strict=True):
             made = group.owner(users[0]).get(recipe.KEY, "")
@@ -102,7 +104,7 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
                     state.table_path, state.table_recipe = paths.relative(result.path), made
         return f"Baked {len(results)} table{'s' * (len(results) != 1)} again"
 
-    def _chosen(self, context) -> list[tuple[Path, list[bpy.types.Material]]]:
+    def _chosen(self, context: bpy.types.Context) -> list[tuple[Path, list[bpy.types.Material]]]:
         active = context.object.active_material if context.object is not None else None
         chosen = []
         for place, users in tables().items():
@@ -140,17 +142,17 @@ class DIFFRACTION_OT_find_files(bpy.types.Operator):
     directory: StringProperty(name="Folder", description="Where to look", subtype="DIR_PATH")
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not any(problems()):
             cls.poll_message_set("No table is missing")
             return False
         return True
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         folder = Path(bpy.path.abspath(self.directory))
         if not self.directory or not folder.is_dir():
             self.report({"ERROR"}, f"There is no folder '{self.directory}'; choose one that holds the tables.")
@@ -177,13 +179,13 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not bpy.data.filepath:
             cls.poll_message_set("Save the .blend first")
             return False
         return not busy(cls)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         count = 0
         try:
             for scene in bpy.data.scenes:
@@ -198,7 +200,7 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
         self.report({"INFO"}, f"Copied {count} table{'s' * (count != 1)} to {paths.data_folder()}")
         return {"FINISHED"}
 
-    def _collect(self, context, place: Path, users: list[bpy.types.Material]) -> int:
+    def _collect(self, context: bpy.types.Context, place: Path, users: list[bpy.types.Material]) -> int:
         folder = paths.data_folder()
         if not users or place.parent == folder or table_state(material.table_path(users[0])).kind != READY:
             return 0
@@ -275,7 +277,7 @@ class DIFFRACTION_OT_use_material_scan(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         active = context.object.active_material if context.object is not None else None
         if not material.is_ours(active):
             cls.poll_message_set("The active material has no table")
@@ -285,7 +287,8 @@ class DIFFRACTION_OT_use_material_scan(bpy.types.Operator):
             return False
         return not busy(cls)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        assert context.object is not None and context.object.active_material is not None  # see `poll`
         active, state = context.object.active_material, context.scene.diffraction
         place, made = travel.home(active), travel.recipe_of(active)
         try:

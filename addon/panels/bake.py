@@ -22,12 +22,12 @@ class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
     bl_label = "Bake"
     bl_order = 3
 
-    def draw_header_preset(self, context):
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
         row = self.layout.row(align=True)
         row.menu(DIFFRACTION_MT_bake_presets.__name__, text="", icon="PRESET")
         row.operator("diffraction.bake_preset_add", text="", icon="ADD")
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None
@@ -52,7 +52,7 @@ class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_bake"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         layout.enabled = progress.running() is None
         layout.prop(state, "table_name")

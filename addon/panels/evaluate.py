@@ -18,7 +18,7 @@ class DIFFRACTION_PT_evaluate(Stage, bpy.types.Panel):
     bl_order = 6
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None
@@ -42,7 +42,7 @@ class DIFFRACTION_PT_reflectance(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_evaluate"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None

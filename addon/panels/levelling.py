@@ -18,7 +18,7 @@ class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
     bl_label = "Levelling"
     bl_order = 2
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None

@@ -23,7 +23,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
     bl_label = "Material"
     bl_order = 4
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         layout.prop(state, "implementation")
         implementation = state.implementation
@@ -75,7 +75,7 @@ class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_material"
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         active = _active(context)
         return material.is_ours(active) and material.shader_node(active) is not None
 
@@ -106,10 +106,33 @@ def draw_active(layout: bpy.types.UILayout, active: bpy.types.Material) -> None:
         row = layout.row()
         row.label(text=f"Shown by {active.users - active.use_fake_user} objects")
         row.operator("diffraction.apply_material", text="Own Copy", icon="DUPLICATE").own_copy = True
+    _switches(layout, node)
     for name in material.LIVE_SOCKETS:
         socket = node.inputs.get(name)
-        if socket is not None and not socket.is_linked:
+        if socket is not None and not socket.is_linked and not _without_effect(name, node, active):
             layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
+
+
+def _switches(layout: bpy.types.UILayout, node: Any) -> None:
+    """Fresnel and energy, which the node keeps as numbers, as buttons."""
+    path = f'object.active_material.node_tree.nodes["{node.name}"].inputs'
+    fresnel, energy = (node.inputs.get(name) for name in ("Fresnel", "ConserveEnergy"))
+    if fresnel is not None and not fresnel.is_linked:
+        row = layout.row(align=True)
+        for value, text in ((1, "Dielectric"), (2, "Conductor"), (0, "All")):
+            choice = row.operator("wm.context_set_int", text=text, depress=fresnel.default_value == value)
+            choice.data_path, choice.value = f'{path}["Fresnel"].default_value', value
+    if energy is not None and not energy.is_linked:
+        icon = "CHECKBOX_HLT" if energy.default_value else "CHECKBOX_DEHLT"
+        choice = layout.operator("wm.context_set_int", text="Conserve Energy", icon=icon)
+        choice.data_path, choice.value = f'{path}["ConserveEnergy"].default_value', 1 - energy.default_value
+
+
+def _without_effect(name: str, node: Any, active: bpy.types.Material) -> bool:
+    """Whether a socket does nothing here: nodes have no environment, a conductor no index of refraction."""
+    if name == "Environment":
+        return not material.needs_osl(active)
+    return name == "IOR" and node.inputs["Fresnel"].default_value != 1
 
 
 class DIFFRACTION_PT_material_tab(bpy.types.Panel):
@@ -145,10 +168,10 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return material.any_ours()
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, total, broken, outside, linked = self.layout, 0, False, False, False
         for place, users in tables().items():
             found = table_state(material.table_path(users[0]))
@@ -180,10 +203,10 @@ class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return bool(setup.changes(context.scene))
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         for text in setup.changes(context.scene):
             self.layout.label(text=text, icon="CHECKMARK")
         self.layout.operator("diffraction.restore_settings", icon="LOOP_BACK")

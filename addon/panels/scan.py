@@ -20,7 +20,7 @@ class DIFFRACTION_PT_scan(Stage, bpy.types.Panel):
     bl_label = "Scan"
     bl_order = 1
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = self.layout, context.scene.diffraction
         row = layout.row(align=True)
         button(row, "diffraction.import_scan", icon="FILEBROWSER", text="Import...")
@@ -43,7 +43,7 @@ class DIFFRACTION_MT_stored_scans(bpy.types.Menu):
 
     bl_label = "Stored Scans"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         found = scan_store.stored_scans()
         for path in found:
@@ -59,12 +59,12 @@ class DIFFRACTION_PT_preset(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_scan"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw_header_preset(self, context):
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
         row = self.layout.row(align=True)
         row.menu(DIFFRACTION_MT_structure_presets.__name__, text="", icon="PRESET")
         row.operator("diffraction.structure_preset_add", text="", icon="ADD")
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         if not bpy.app.background:
             layout.template_icon_view(state, "preset", show_labels=True, scale=5.0, scale_popup=5.0)

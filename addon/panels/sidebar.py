@@ -105,7 +105,7 @@ class DIFFRACTION_PT_main(Sidebar, bpy.types.Panel):
 
     bl_label = "Diffraction"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         if context.scene.diffraction.message:
             note(layout, context.scene.diffraction.message, "ERROR")

@@ -88,7 +88,7 @@ def learn(scene: bpy.types.Scene, measured_s: float) -> None:
         _speed = min(max(measured_s / found.cost.seconds, 0.1), 10.0)
 
 
-def _make(key: str, folder, chosen) -> Estimate:
+def _make(key: str, folder: Any, chosen: Any) -> Estimate:
     from ...precompute.bake.baking import resolve_sigma_s
     from ...precompute.bake.cost import bake_cost
     from ...precompute.readers import read_scan

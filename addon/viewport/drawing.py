@@ -131,7 +131,10 @@ class Renderer:
             print(f"Diffraction: {message}")
         self.message, self._failed = message, attempt
 
-    def _draw(self, listing, depsgraph, view_matrix, projection, view, through_display, loose_depth) -> int:
+    def _draw(
+        self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
+        view: View, through_display: bool, loose_depth: bool,
+    ) -> int:  # fmt: skip
         import gpu
 
         self.message = ""
@@ -172,7 +175,7 @@ class Renderer:
             gpu.state.depth_mask_set(state[2])
         return len(listing.items)
 
-    def _bind(self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool):
+    def _bind(self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool) -> Any:
         """The shader of a material, with all that it reads."""
         import gpu
 
@@ -195,7 +198,7 @@ class Renderer:
             shader.uniform_sampler("df_terms", series.terms)
         return shader
 
-    def _uniform(self, key: tuple, rows: np.ndarray):
+    def _uniform(self, key: tuple, rows: np.ndarray) -> Any:
         """A uniform buffer with these rows, the last one where nothing changed."""
         content = rows.tobytes()
         held = self._uniforms.get(key)
@@ -207,7 +210,7 @@ class Renderer:
         self._uniforms[key] = held
         return held[1]
 
-    def _listing(self, depsgraph, visible, list_key, skips_nodes) -> _Listing:
+    def _listing(self, depsgraph: bpy.types.Depsgraph, visible: Any, list_key: int, skips_nodes: bool) -> _Listing:
         scene = depsgraph.scene.original
         key = (scene.session_uid, depsgraph.view_layer.name, list_key, skips_nodes)
         version = self.version

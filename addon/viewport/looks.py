@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -71,6 +72,8 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
         environment=bool(value("Environment", 0)),
         brightness=float(value("Brightness", 1.0)) * view.brightness,
     )
+    if layout.holds_reflectance:
+        look.kept = np.clip(np.array(info["reflectance_xyz"], float) @ look.to_rgb.T, 0.0, 1.0)
     turned = orientation.angle_image(shaded)
     if turned is not None:
         look.angle_image, look.rotation = True, turned[1]
@@ -89,7 +92,7 @@ def relative_gain(info: dict, look: Surface) -> float:
     area = coherence_area((rows, cols), size_x / cols, size_y / rows, parameters["sigma_s_m"], parameters["ensemble"])
     normal = np.array([0.0, 0.0, 1.0])
     gain = float(relative_colour_factor(normal, normal, area, info["colour"]["illuminant"]))
-    if look.fresnel == "DIELECTRIC":
+    if look.fresnel == "DIELECTRIC" and not look.layout.holds_reflectance:
         gain /= max(((look.ior - 1.0) / (look.ior + 1.0)) ** 2, 1e-6)
     return gain
 
@@ -112,7 +115,7 @@ class _Sockets:
     def __init__(self, node: bpy.types.Node | None) -> None:
         self._node = node
 
-    def __call__(self, name: str, default):
+    def __call__(self, name: str, default: Any) -> Any:
         socket = self._node.inputs.get(name) if self._node is not None else None
         return default if socket is None or not hasattr(socket, "default_value") else socket.default_value
 

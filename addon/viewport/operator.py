@@ -54,13 +54,13 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
     transparent: BoolProperty(name="Transparent", description="No background", default=False)
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if context.scene.camera is None:
             cls.poll_message_set("The scene has no camera")
             return False
         return True
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         from . import handlers, offscreen
 
         if not self.filepath:
@@ -79,10 +79,12 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
             self.height or max(1, int(scene.render.resolution_y * scale)),
         )
         path = Path(bpy.path.abspath(self.filepath))
+        camera = scene.camera
+        assert camera is not None  # see `poll`
         try:
             with _engine(scene, self.shading):
                 pixels = offscreen.render(
-                    handlers.renderer, scene, scene.camera, size, self.shading, replace(view, **chosen),
+                    handlers.renderer, scene, camera, size, self.shading, replace(view, **chosen),
                     background=not self.transparent, samples=self.samples,
                 )  # fmt: skip
             offscreen.save(pixels, scene, path, self.transparent)
@@ -105,7 +107,7 @@ class _engine:
         if self._lend:
             self._scene.render.engine = EEVEE
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._lend:
             self._scene.render.engine = "CYCLES"
 

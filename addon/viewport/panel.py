@@ -20,10 +20,10 @@ class DIFFRACTION_PT_viewport(bpy.types.Panel):
     bl_region_type = "UI"
     bl_category = "Diffraction"
 
-    def draw_header(self, context):
+    def draw_header(self, context: bpy.types.Context) -> None:
         self.layout.prop(context.scene.diffraction_viewport, "show", text="")
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         from . import handlers
 
         layout, state = self.layout, context.scene.diffraction_viewport

@@ -24,14 +24,15 @@ Kirchhoff integral, which is why that is not the default.
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..table.albedo import SECTORS
 from ..table.layout import TableLayout
-from .intensity import PolarIntensity
 from .series import node_weights
+from .transforms import workers
 
 #: Wavelengths, polar angles, azimuths and sectors of the albedos of single wavelengths.
 _WAVELENGTHS, _THETAS, _AZIMUTHS, _SECTORS = 9, 23, 12, 48
@@ -45,32 +46,20 @@ _SLACK = 1.01
 #: Divisors that are tried; between them the light that is left is interpolated.
 _TRIED = np.array([1.0, 1.02, 1.05, 1.1, 1.2, 1.35, 1.6, 2.0, 3.0, 6.0, 20.0])
 
-#: Angles that go through the transforms at a time.
-_ANGLES_A_BLOCK = 96
+#: Rings of frequencies are joined to this width over their radius, where it is more than one step.
+_RING = 0.03
 
 
-def sector_intensity(polar: PolarIntensity, coefficients: np.ndarray, layout: TableLayout) -> np.ndarray:
-    """``(n_f, n, sectors)`` means of S over equal sectors that start half a row before phi = 0.
+def sector_shares(layout: TableLayout, start: int, stop: int) -> tuple[int, np.ndarray]:
+    """First sector, and parts of each sector ``(sectors from there, rows)`` that rows start ... stop - 1 make up.
 
-    The sectors are those of `precompute.table.albedo`.
+    The sectors are those of `precompute.table.albedo`, equal and half a row before phi = 0.
     """
-    sectors = min(SECTORS, layout.n_phi)
-    edges = np.arange(layout.n_phi + 1) * (sectors / layout.n_phi)
-    total: np.ndarray | None = None
-    for start in range(0, layout.n_phi, _ANGLES_A_BLOCK):
-        stop = min(start + _ANGLES_A_BLOCK, layout.n_phi)
-        values = polar.polar(coefficients, layout.angles[start:stop])
-        low, high = int(edges[start]), int(np.ceil(edges[stop] - 1e-9))
-        columns = np.arange(low, high)
-        share = np.minimum(edges[start + 1 : stop + 1, None], columns + 1) - np.maximum(
-            edges[start:stop, None], columns
-        )
-        if total is None:
-            total = np.zeros((*values.shape[:2], sectors), np.float32)
-        total[:, :, low:high] += values @ np.maximum(share, 0.0).astype(np.float32)
-    if total is None:
-        raise ValueError("a layout without angles")
-    return total
+    edges = np.arange(start, stop + 1) * (min(SECTORS, layout.n_phi) / layout.n_phi)
+    low, high = int(edges[0]), int(np.ceil(edges[-1] - 1e-9))
+    sectors = np.arange(low, high)[:, None]
+    share = np.minimum(edges[1:], sectors + 1) - np.maximum(edges[:-1], sectors)
+    return low, np.maximum(share, 0.0).astype(np.float32)
 
 
 @dataclass(frozen=True)
@@ -93,7 +82,7 @@ class Energy:
 
 
 def energy(
-    polar: PolarIntensity,
+    frequencies: np.ndarray,
     means: np.ndarray,
     nodes: np.ndarray,
     kappa_max: float,
@@ -108,10 +97,10 @@ def energy(
 
     Parameters
     ----------
-    polar
-        Gives the frequencies.
+    frequencies
+        ``(n_f,)`` evenly spaced from 0, at most 0.8 widths of the lobe apart, 1/m.
     means
-        From `sector_intensity`.
+        ``(sectors, n_f, n)`` S there, see `sector_shares`.
     nodes, kappa_max
         Of the intensities.
     layout
@@ -127,12 +116,13 @@ def energy(
     capped
         Whether T is to be capped too.
     """
-    albedos = _Albedos(polar.frequencies, means, nodes, kappa_max, layout, index, albedo)
+    albedos = _Albedos(frequencies, means, nodes, kappa_max, layout, index, albedo)
     lam = np.linspace(wavelengths[0], wavelengths[-1], _WAVELENGTHS)
     at_nodes: list[np.ndarray | None] = [None] * len(lam)
     if gain is not None:
         at_nodes = [np.array([np.interp(x, wavelengths, row) for row in gain]) for x in lam]
-    parts = np.stack([albedos.parts(*each) for each in zip(lam, at_nodes, strict=True)])  # (lam, tried, theta, phi)
+    with ThreadPoolExecutor(workers()) as pool:
+        parts = np.stack(list(pool.map(albedos.parts, lam, at_nodes)))  # (lam, tried, theta, phi)
     if capped:
         # The equally steep pair of a slice, inside a lacquer and seen from outside.
         sine = index * np.sqrt(np.maximum(1.0 - (layout.slices / (2.0 * index)) ** 2, 0.0))
@@ -177,7 +167,11 @@ def _on_tile(values: np.ndarray, thetas: np.ndarray, layout: TableLayout) -> np.
 
 
 class _Albedos:
-    """Albedos of one wavelength after the other."""
+    """Albedos of single wavelengths.
+
+    What weighs T depends on the azimuth through the cosine of its distance from the viewer's, so that a sector and its
+    mirror image are added first, and half the sectors do.
+    """
 
     def __init__(
         self,
@@ -189,17 +183,32 @@ class _Albedos:
         index: float,
         albedo: np.ndarray | None,
     ) -> None:
-        every = 2  # 0.8 widths of the lobe a step: enough for a sum over Gaussians
-        self._f = frequencies[::every]
-        sectors = means.shape[-1]
-        if sectors % _SECTORS == 0:
-            means = means.reshape(*means.shape[:2], _SECTORS, -1).mean(-1)
-        self._means = np.ascontiguousarray(means[::every].transpose(1, 0, 2))  # (n, f, sectors)
+        count = _SECTORS if len(means) % _SECTORS == 0 else len(means)
+        means = means.reshape(count, -1, *means.shape[1:]).mean(1)
+        # Rings: single frequencies near the peak, more of them where everything but T hardly changes.
+        starts, start = [], 0
+        while start < len(frequencies):
+            starts.append(start)
+            start += max(1, round(_RING * start))
+        self._f = frequencies
+        self._starts = np.array(starts)
+        step = frequencies[1]
+        area = frequencies * step
+        area[0] = step**2 / 12.0  # Euler-Maclaurin: r dr has a slope at 0
+        self._area = area
+        # (n, f, sectors), times the ring's share of each frequency's area.
+        self._means = np.ascontiguousarray((means * area[:, None].astype(np.float32)).transpose(2, 1, 0))
         self._nodes, self._kappa_max, self._slices, self._index = nodes, kappa_max, layout.slices, index
         self._layout = layout
         self.thetas = np.linspace(0.0, _THETA_LAST, _THETAS)
-        count = self._means.shape[-1]
-        self._shift = (np.arange(_AZIMUTHS) * count) // _AZIMUTHS
+        # For sectors alpha > 0 and azimuths phi_r: the sector alpha further on, and the one alpha further back.
+        shift = (np.arange(_AZIMUTHS) * count) // _AZIMUTHS
+        self._half = (count + 1) // 2
+        self._ahead = (np.arange(self._half)[:, None] + shift) % count
+        self._behind = (count - 1 - np.arange(self._half)[:, None] + shift) % count
+        self._delta = 2.0 * np.pi / count
+        #: The middle sector of an odd number is its own mirror image.
+        self._doubled = np.where(self._ahead == self._behind, np.float32(0.5), np.float32(1.0))
         # What light towards a polar angle is divided by in any case.
         self._divisor = np.ones(_THETAS)
         if albedo is not None:
@@ -217,52 +226,45 @@ class _Albedos:
             ``(n_w,)`` factor of T at the slices.
         """
         n = self._index
-        kappa = 2.0 * np.pi * self._slices / wavelength
-        weights = node_weights(self._nodes, self._kappa_max, kappa)
+        weights = node_weights(self._nodes, self._kappa_max, 2.0 * np.pi * self._slices / wavelength)
         if gain is not None:
             weights = weights * gain[:, None]
-        keep = self._f * wavelength <= 2.0
-        r = (self._f[keep] * wavelength)[:, None]
-        transform = np.tensordot(weights, self._means[:, keep], 1).astype(np.float32)  # (n_w, f, sectors): lambda^2 T
-        count = transform.shape[-1]
-        np.maximum(transform, 0.0, out=transform)
-        flat = transform.reshape(-1)
-        delta = 2.0 * np.pi / count
-        alpha = (np.arange(count) + 0.5) * delta
-        step = self._f[1] - self._f[0]
-        area = self._f[keep][:, None] * step * delta  # du dv / lambda^2
-        area[0] = step**2 / 12.0 * delta  # Euler-Maclaurin: r dr has a slope at 0
-        half_extent = 0.5 * np.hypot(step * wavelength, r * delta)
-        place_f = np.arange(len(r))[:, None] * count
-        out = np.empty((len(_TRIED), _THETAS, _AZIMUTHS))
-        for t, theta in enumerate(self.thetas):
-            sin_r = np.sin(theta)
-            rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
-            inside = np.minimum(rho, 1.0)
-            cos_i, cos_r = np.sqrt(1.0 - (inside / n) ** 2), np.sqrt(1.0 - (sin_r / n) ** 2)
-            if n > 1.0:
-                inverse = np.clip(0.5 + (1.0 - rho) / (2.0 * half_extent), 0.0, 1.0) / cos_i
-            else:
-                inverse = np.arcsin(np.minimum(rho + half_extent, 1.0)) - np.arcsin(
-                    np.clip(rho - half_extent, -1.0, 1.0)
-                )
-                inverse /= 2.0 * half_extent
-            w = n * (cos_i + cos_r)
-            weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * area
-            position = self._layout.slice_coordinate(w)
-            lower = np.minimum(position.astype(int), len(self._slices) - 2)
-            blend = position - lower
-            # Below the last slice T goes on like |w|^power.
-            scale = np.where(w < self._slices[0], (w / self._slices[0]) ** self._layout.power, 1.0)
-            divisor = np.interp(np.arcsin(inside), self.thetas, self._divisor)
-            weight = weight * scale
-            lit = np.nonzero(weight)
-            base = lower[lit] * (len(r) * count) + np.broadcast_to(place_f, weight.shape)[lit]
-            low, high = ((weight * (1.0 - blend))[lit]).astype(np.float32), ((weight * blend)[lit]).astype(np.float32)
-            divided = (1.0 / np.maximum(divisor[lit][:, None], _TRIED)).astype(np.float32)
-            stride = len(r) * count
-            for a, shift in enumerate(self._shift):
-                # Row phi_r, and the sector whose middle lies alpha further on.
-                at = base + (lit[1] + shift) % count
-                out[:, t, a] = (low * flat[at] + high * flat[at + stride]) @ divided
-        return out
+        count = int(np.searchsorted(self._f * wavelength, 2.0, side="right"))
+        starts = self._starts[self._starts < count]
+        lit = self._means[:, :count]
+        light = (weights.astype(np.float32) @ lit.reshape(len(lit), -1)).reshape(len(weights), *lit.shape[1:])
+        np.maximum(light, 0.0, out=light)
+        light = np.add.reduceat(light, starts, axis=1)  # (n_w, rings, sectors): lambda^2 T du dv / (lambda^2 delta)
+        pairs = (light[:, :, self._ahead] + light[:, :, self._behind]) * self._doubled
+        rows = pairs.reshape(-1, _AZIMUTHS)
+
+        area = np.add.reduceat(self._area[:count], starts)
+        middle = np.add.reduceat(self._area[:count] * self._f[:count], starts) / area
+        width = np.diff(np.append(starts, count)) * self._f[1]
+        r = (middle * wavelength)[:, None]
+        alpha = (np.arange(self._half) + 0.5) * self._delta
+        half_extent = 0.5 * np.hypot(width[:, None] * wavelength, r * self._delta)
+        sin_r = np.sin(self.thetas)[:, None, None]
+        cos_r = np.sqrt(1.0 - (sin_r / n) ** 2)
+        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
+        inside = np.minimum(rho, 1.0)
+        cos_i = np.sqrt(1.0 - (inside / n) ** 2)
+        if n > 1.0:
+            inverse = np.clip(0.5 + (1.0 - rho) / (2.0 * half_extent), 0.0, 1.0) / cos_i
+        else:
+            inverse = np.arcsin(np.minimum(rho + half_extent, 1.0)) - np.arcsin(np.clip(rho - half_extent, -1.0, 1.0))
+            inverse /= 2.0 * half_extent
+        w = n * (cos_i + cos_r)
+        weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
+        # Below the last slice T goes on like |w|^power.
+        weight *= np.minimum(w / self._slices[0], 1.0) ** self._layout.power
+        position = self._layout.slice_coordinate(w)
+        lower = np.minimum(position.astype(int), len(self._slices) - 2)
+        blend = position - lower
+        place = lower * (len(starts) * self._half) + np.arange(len(starts) * self._half).reshape(len(starts), -1)
+        found = np.take(rows, place, axis=0) * (weight * (1.0 - blend))[..., None].astype(np.float32)
+        above = np.take(rows, place + len(starts) * self._half, axis=0)
+        found += above * (weight * blend)[..., None].astype(np.float32)
+        divisor = np.interp(np.arcsin(inside), self.thetas, self._divisor)
+        divided = (1.0 / np.maximum(divisor.reshape(_THETAS, 1, -1), _TRIED[:, None])).astype(np.float32)
+        return np.moveaxis(divided @ found.reshape(_THETAS, -1, _AZIMUTHS), 1, 0)

@@ -98,6 +98,16 @@ class TableLayout:
         return (self.n_r - 1) / math.asinh(R_MAX / self.r0)
 
     @property
+    def index(self) -> float:
+        """Refractive index of what lies over the relief: 1, or that of a lacquer."""
+        return self.w_max / W_MAX
+
+    @property
+    def holds_reflectance(self) -> bool:
+        """Whether the surface's stuff (stack, lacquer) is inside: then a renderer has no R of its own."""
+        return self.n_reflectance > 0
+
+    @property
     def s_w(self) -> float:
         """asinh(w_min / w0)."""
         return math.asinh(self.w_min / self.w0)

@@ -72,9 +72,13 @@ class SpectralTable:
         left = np.clip(x.astype(int), 0, self.layout.width - 2)
         below = np.clip(y.astype(int), 0, self.layout.height - 2)
         fx, fy = (x - left)[..., None], (y - below)[..., None]
-        texel = self.atlas
-        low = texel[below, left] * (1.0 - fx) + texel[below, left + 1] * fx
-        high = texel[below + 1, left] * (1.0 - fx) + texel[below + 1, left + 1] * fx
+        texels = self.atlas.reshape(-1, 3)
+        at = below * self.layout.width + left
+        low = np.take(texels, at, axis=0) * (1.0 - fx)
+        low += np.take(texels, at + 1, axis=0) * fx
+        at += self.layout.width
+        high = np.take(texels, at, axis=0) * (1.0 - fx)
+        high += np.take(texels, at + 1, axis=0) * fx
         return low * (1.0 - fy) + high * fy
 
     def albedo(self, directions: np.ndarray) -> np.ndarray:

@@ -3,6 +3,7 @@
 
 import contextlib
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -16,6 +17,13 @@ from tests.window.drivers import Rig, Simulated
 ROOT = Path(__file__).resolve().parents[2]
 
 SKIPPED = "no Blender window: give BLENDER=path of a Blender, or WINDOW_RIG= and WINDOW_FOLDER="
+
+
+def pytest_collection_modifyitems(items):
+    """Minutes each, and only on request."""
+    for item in items:
+        if Path(item.path).parent == ROOT / "tests" / "window":
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")
@@ -39,10 +47,17 @@ def zipped(work):
         out = work / "extension.zip"
         subprocess.run([sys.executable, str(Path(rig) / "zip314.py"), str(ROOT), str(out)], check=True)
         return out
-    subprocess.run(
-        [sys.executable, str(ROOT / "tools/build/build_extension.py"), "--platform", "linux-x64"], check=True
-    )
-    return max(ROOT.glob("dist/*linux*.zip"), key=lambda path: path.stat().st_mtime)
+    build = [sys.executable, str(ROOT / "tools/build/build_extension.py"), "--platform", "linux-x64"]
+    subprocess.run(build, check=True)
+    told = subprocess.run([os.environ["BLENDER"], "--version"], check=True, capture_output=True, text=True).stdout
+    version = _version(re.search(r"Blender (\d+\.\d+)", told))
+    zips = {_version(re.search(r"blender_(\d+\.\d+)", path.name)): path for path in ROOT.glob("dist/*linux*.zip")}
+    return zips[max(first for first in zips if first <= version)]
+
+
+def _version(found):
+    """Numbers of a release in a name."""
+    return tuple(map(int, found.group(1).split(".")))
 
 
 @pytest.fixture(scope="session")

