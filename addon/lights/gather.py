@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import bpy
 from mathutils import Vector
 
-from . import lamps
+from . import emitters, instances, lamps, worlds
 from .slots import SLOTS
 from .source import Source
 
@@ -31,7 +30,9 @@ class Found:
     left_out: list[Source]
 
 
-def search(scene: bpy.types.Scene, places: Callable[[], Sequence[Vector]]) -> Found:
+def search(
+    scene: bpy.types.Scene, places: Callable[[], Sequence[Vector]], depsgraph: bpy.types.Depsgraph | None = None
+) -> Found:
     """The lights of a scene.
 
     Parameters
@@ -40,23 +41,25 @@ def search(scene: bpy.types.Scene, places: Callable[[], Sequence[Vector]]) -> Fo
         With its set scenes.
     places
         Gives world positions of what is lit; asked only where there are too many lights.
+    depsgraph
+        Whose instances to look through; None takes none of them.
     """
-    shining = [lamps.source(scene, lamp) for lamp in lamps.lamp_objects(scene)]
+    objects = lamps.lamp_objects(scene)
+    others = [*worlds.sources(scene), *emitters.sources(scene)]
+    if depsgraph is not None:
+        others += instances.sources(depsgraph)
+    shining = [*(lamps.source(scene, lamp) for lamp in objects), *others]
     if len(shining) > SLOTS:
-        shining = _brightest_first(scene, places() or [Vector((0.0, 0.0, 0.0))])
+        lit = places() or [Vector((0.0, 0.0, 0.0))]
+        strengths = [max(lamps.irradiance(lamp, place) for place in lit) for lamp in objects]
+        strengths += [source.strength for source in others]
+        order = sorted(range(len(shining)), key=lambda i: -strengths[i])
+        shining = [shining[i] for i in order]
     chosen = shining[:SLOTS]
     if len(chosen) < SLOTS:  # a script may switch these on in the middle of a render: drivers follow that
         dark = lamps.switched_off(scene)[: SLOTS - len(chosen)]
         chosen = chosen + [lamps.source(scene, lamp) for lamp in dark]
     return Found(chosen, shining[SLOTS:])
-
-
-def _brightest_first(scene: bpy.types.Scene, places: Sequence[Vector]) -> list[Source]:
-    found = []
-    for lamp in lamps.lamp_objects(scene):
-        strength = max(lamps.irradiance(lamp, place) for place in places)
-        found.append(dataclasses.replace(lamps.source(scene, lamp), strength=strength))
-    return sorted(found, key=lambda source: -source.strength)
 
 
 def too_many(found: Found) -> str:

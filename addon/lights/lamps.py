@@ -115,6 +115,11 @@ def _size_paths(light: bpy.types.Light) -> tuple[str, ...]:
     return ("angle",) if light.type == "SUN" else ("shadow_soft_size",)
 
 
+def sizes(light: bpy.types.Light) -> tuple[float, ...]:
+    """Sun: its angle. Ball: its radius. Area: its extents along x and y."""
+    return tuple(getattr(light, path) for path in _size_paths(light))
+
+
 def shows(ob: bpy.types.Object) -> bool:
     """Whether an object can take part in a render at some frame; an animated switch counts as on."""
     if not ob.hide_render:
@@ -254,6 +259,15 @@ def is_uneven(light: bpy.types.Light) -> bool:
         return False
     node = links[0].from_node
     return node.bl_idname != "ShaderNodeEmission" or any(socket.links for socket in node.inputs)
+
+
+def power_at(light: bpy.types.Light, world: Matrix) -> float:
+    """Irradiance at the origin by a lamp that the depsgraph made, as `irradiance` gives it for objects."""
+    power = light.energy * 2.0 ** getattr(light, "exposure", 0.0) * sum(light.color[i] for i in range(3)) / 3.0
+    if light.type == "SUN":
+        return power
+    sphere = 1.0 if light.type == "AREA" else 4.0 * math.pi
+    return power / (math.pi * sphere * max(world.translation.length_squared, 1e-6))
 
 
 def irradiance(lamp: LampObject, point: Vector) -> float:

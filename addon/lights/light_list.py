@@ -111,10 +111,11 @@ def _write_matrix(scene: bpy.types.Scene) -> bool:
 
 def _place(before: dict[int, Source], sources: Sequence[Source]) -> dict[int, Source]:
     """Slots of the sources: each stays where it is, new ones take what is free."""
-    held = {source.key[0] if isinstance(source.key, tuple) else source.key: slot for slot, source in before.items()}
-    placed, new = {}, []
+    held = {source.key: slot for slot, source in before.items()}
+    placed: dict[int, Source] = {}
+    new = []
     for source in sources:
-        slot = held.get(source.key[0] if isinstance(source.key, tuple) else source.key)
+        slot = held.get(source.key)
         if slot is None or slot in placed or slot > len(sources):
             new.append(source)
         else:
@@ -128,7 +129,7 @@ def _place(before: dict[int, Source], sources: Sequence[Source]) -> dict[int, So
 def _put(scene: bpy.types.Scene, name: str, entries: Sequence[Entry]) -> None:
     """A property anew: values, and drivers where entries follow something."""
     _undrive(scene, name)
-    _set(scene, name, [0.0 if isinstance(entry, Drive) else float(entry) for entry in entries])
+    _set(scene, name, [entry.value() if isinstance(entry, Drive) else float(entry) for entry in entries])
     for index, entry in enumerate(entries):
         if isinstance(entry, Drive):
             _drive(scene, name, index, entry)

@@ -3,10 +3,16 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Hashable
 from dataclasses import dataclass, field
+from typing import Any
 
 import bpy
+
+#: Functions of Blender's simple expressions that are used here.
+_FUNCTIONS = {"sin": math.sin, "cos": math.cos, "sqrt": math.sqrt, "max": max}
 
 
 @dataclass(frozen=True)
@@ -24,6 +30,23 @@ class Drive:
 
     variables: tuple[Variable, ...]
     expression: str = ""
+
+    def value(self) -> float:
+        """What it amounts to now: a driver made in the middle of a render has no say before the next."""
+        numbers = {each.name: float(_resolve(each)) for each in self.variables}
+        if not self.expression:
+            return sum(numbers.values())
+        return float(eval(self.expression, {"__builtins__": {}, **_FUNCTIONS}, numbers))  # texts of this package alone
+
+
+def _resolve(variable: Variable) -> float:
+    """A number of a data-block; of a matrix `path_resolve` knows no single element."""
+    owner: Any = variable.owner
+    matrix = re.fullmatch(r"matrix_world\[(\d)\]\[(\d)\]", variable.path)
+    if matrix is not None:
+        column, row = map(int, matrix.groups())
+        return owner.matrix_world[row][column]
+    return owner.path_resolve(variable.path)
 
 
 #: What one number of the list is: itself, or what drives it.
@@ -49,6 +72,8 @@ class Source:
         Twelve numbers each (rows of a 3 x 4 matrix) that entries refer to, by the name of a scene's property.
     strength
         Irradiance (any one unit) that it gives where objects stand; the brightest stay where there are too many.
+    is_written
+        Whether Python has to write it anew on each frame, since no driver can follow it.
     """
 
     key: Hashable
@@ -57,11 +82,7 @@ class Source:
     entries: tuple[Entry, ...]
     frames: dict[str, tuple[Entry, ...]] = field(default_factory=dict)
     strength: float = 0.0
-
-    @property
-    def is_written(self) -> bool:
-        """Whether Python has to write it anew on each frame."""
-        return not any(isinstance(entry, Drive) for entry in self.entries)
+    is_written: bool = False
 
 
 def follow(owner: bpy.types.ID, path: str) -> Drive:

@@ -13,32 +13,41 @@ import bpy
 from bpy.app.handlers import persistent
 from mathutils import Vector
 
-from ..lights import gather, light_list
+from ..lights import gather, instances, light_list
 from . import material, setup
-from .node import group
+from .node import group, migrate
 
 #: What was said of each scene's lights, so that it is said once.
 _said: dict[int, str] = {}
 #: What decided in the last search whether the next is needed, by scene.
 _quick: dict[int, tuple] = {}
+#: Scenes with lights that no driver follows, which are written anew on each frame.
+_written: set[int] = set()
 _at_work = False
 
 
-def search(scene: bpy.types.Scene) -> gather.Found:
+def search(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> gather.Found:
     """The lights of a scene, those that light its objects of ours most first where there are too many."""
-    return gather.search(scene, lambda: _places(scene))
+    if not instances.possible(scene):
+        depsgraph = None
+    elif depsgraph is None and bpy.context.scene == scene:
+        depsgraph = bpy.context.view_layer.depsgraph
+    return gather.search(scene, lambda: _places(scene), depsgraph)
 
 
-def update_lights(scene: bpy.types.Scene) -> bool:
+def update_lights(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> bool:
     """Bring a scene's light list up to date; True if anything had to be written."""
     global _at_work
     if _at_work or not scene.is_editable or not material.any_ours():
         return False
     _at_work = True
     try:
-        found = search(scene)
+        found = search(scene, depsgraph)
         changed = light_list.write(scene, found.chosen)
         _quick[scene.as_pointer()] = _quick_look(scene)
+        _written.discard(scene.as_pointer())
+        if any(source.is_written for source in found.chosen):
+            _written.add(scene.as_pointer())
         _say(scene, gather.too_many(found))
     finally:
         _at_work = False
@@ -85,9 +94,19 @@ def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -
     kinds = (bpy.types.Light, bpy.types.Collection, bpy.types.Scene, bpy.types.World, bpy.types.NodeTree)
     for update in depsgraph.updates:
         known = update.id
-        if isinstance(known, kinds) or (isinstance(known, bpy.types.Object) and known.type in {"LIGHT", "EMPTY"}):
-            update_all()
+        if isinstance(known, kinds) or (isinstance(known, bpy.types.Object) and _may_light(known, update)):
+            update_lights(scene, depsgraph)
+            for each in bpy.data.scenes:
+                if each != scene:
+                    update_lights(each)
             return
+
+
+def _may_light(ob: bpy.types.Object, update: bpy.types.DepsgraphUpdate) -> bool:
+    """Whether an object's change may be one of lights: lamps, empties that show some, what makes instances or glows."""
+    if ob.type in {"LIGHT", "EMPTY"}:
+        return True
+    return update.is_updated_geometry and (ob.instance_type != "NONE" or bool(ob.modifiers) or bool(ob.material_slots))
 
 
 @persistent
@@ -95,7 +114,10 @@ def _file_loaded(*_: object) -> None:
     light_list.forget()
     _said.clear()
     _quick.clear()
+    _written.clear()
     group.follow_working_space()
+    for sentence in migrate.migrate_all():
+        print(f"Diffraction: {sentence}.")
     for sentence in setup.give_back_importance_sampling():
         print(f"Diffraction: {sentence}.")
     update_all()
@@ -108,23 +130,47 @@ def _many(*_: object) -> None:
 
 
 @persistent
-def _rendering(scene: bpy.types.Scene, *_: object) -> None:
+def _imported(*_: object) -> None:
+    """After append, link and paste."""
+    for sentence in migrate.migrate_all():
+        print(f"Diffraction: {sentence}.")
+    _many()
+
+
+@persistent
+def _rendering(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     """Before a render and each of its frames, after whatever other handlers did to the lamps."""
-    update_lights(scene)
+    _after_others(scene, depsgraph)
     _go_last()
 
 
 @persistent
-def _frame_changed(scene: bpy.types.Scene, *_: object) -> None:
-    if _quick.get(scene.as_pointer()) != _quick_look(scene):
-        update_lights(scene)
+def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    if scene.as_pointer() in _written or _quick.get(scene.as_pointer()) != _quick_look(scene):
+        _after_others(scene, depsgraph)
+
+
+def _after_others(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None) -> None:
+    """Handlers of others may have made lamps, which Blender has not placed yet."""
+    global _at_work
+    if _at_work or not material.any_ours():
+        return
+    known = _quick.get(scene.as_pointer())
+    if known is not None and known != _quick_look(scene):
+        _at_work = True
+        try:
+            for layer in scene.view_layers:
+                layer.update()
+        finally:
+            _at_work = False
+    update_lights(scene, depsgraph)
 
 
 _HANDLERS = (
     ("depsgraph_update_post", _depsgraph_updated),
     ("load_post", _file_loaded),
     ("save_pre", _many),
-    ("blend_import_post", _many),
+    ("blend_import_post", _imported),
     ("render_init", _rendering),
     ("render_pre", _rendering),
     ("frame_change_post", _frame_changed),

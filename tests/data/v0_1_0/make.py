@@ -158,11 +158,16 @@ def stage(bpy):
 def settings_of(bpy):
     """What the panel of an opened file shows, and what is remembered with its material."""
     state = bpy.context.scene.diffraction
-    (material,) = [material for material in bpy.data.materials if "diffraction_table" in material]
+    # Today the node's group knows the table, in 0.1.0 the material did.
+    (owner,) = [each for each in (*bpy.data.materials, *bpy.data.node_groups) if "diffraction_table" in each]
+    (material,) = [
+        each for each in bpy.data.materials
+        if owner == each or owner in [getattr(node, "node_tree", None) for node in each.node_tree.nodes]
+    ]  # fmt: skip
     names = ("table_path", "scan_path", "sigma_s_um", "ensemble", "level", "detail", "illuminant", "preset")
     return {
         "scene": {name: getattr(state, name) for name in names},
-        "material": {"name": material.name, "diffraction_table": material["diffraction_table"]},
+        "material": {"name": material.name, "diffraction_table": owner["diffraction_table"]},
     }
 
 
