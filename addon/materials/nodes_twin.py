@@ -21,7 +21,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 2
+VERSION = 3
 
 
 def build(
@@ -50,11 +50,13 @@ def build(
     atlas, directions = images
     texels = lookup.texels(atlas, layout)
     table = lookup.transform(stem, layout, texels)
+    kept = lookup.reflectance(stem, layout, texels) if layout.holds_reflectance else None
+    fresnel = fresnel if kept is None else "NONE"
     parts = Parts(
         name=f"{stem} {fresnel.lower()}{'' if conserve else ' raw'}", layout=layout,
         value=values.value(stem, layout, table, fresnel),
         albedo=lookup.albedo(stem, layout, texels) if conserve and albedo_max > 1.0 else None,
-        albedo_free=albedo_free, fresnel=fresnel, conserve=conserve,
+        albedo_free=albedo_free, fresnel=fresnel, conserve=conserve, kept=kept,
     )  # fmt: skip
     lobe, for_eevee, draw = lamps.in_cycles(parts), lamps.in_eevee(parts), environment.draw(parts, directions)
     tree.nodes.clear()
@@ -64,8 +66,8 @@ def build(
     random = environment.random_numbers(graph)
     drawn = surface.group(draw, Random=random).outputs
     closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, graph.clamp(given["Environment"], 0.0, 1.0))
-    cycles = surface.both(surface.base(given["Base"]), closure)
-    eevee = surface.both(surface.base(given["Base"]), surface.emitted(shown))
+    cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
+    eevee = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), surface.emitted(shown))
     graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], surface.mixed(surface["EEVEE"], cycles, eevee))
 
 

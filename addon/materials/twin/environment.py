@@ -121,7 +121,7 @@ def _drawn(
     h = graph.vector("MULTIPLY_ADD", surface["T"], x, graph.scaled(surface["N"], w))
     h = graph.vector("MULTIPLY_ADD", surface["B"], y, h)
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
-    weight = graph.product(weight, surface["Gain"])
+    w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
     return to, h, surface.value(square, turn, w), weight, *surface.with_albedo(weight, x, y, cos_i)
 
 

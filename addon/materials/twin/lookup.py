@@ -116,8 +116,22 @@ def albedo(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.typ
     row = graph.fused(
         graph.math("ARCTAN2", given["AgainstB"], given["AgainstT"]),
         layout.n_albedo_phi / (2.0 * math.pi * height),
-        (layout.albedo_y + 1.5 + 0.5 * layout.n_albedo_phi) / height,
+        (layout.conserving_y + 1.5 + 0.5 * layout.n_albedo_phi) / height,
     )
     value = graph.group(found, Place=graph.join(column, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"]
     graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.scalar("DOT_PRODUCT", value, (1.0, 0.0, 0.0)))
+    return tree
+
+
+def reflectance(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """Group (cosine of the view, 1 in EEVEE) -> XYZ that the table's stuff keeps from below."""
+    tree = new_group(f"Diffraction reflectance {name}")
+    interface(tree, {"Cosine": (_FLOAT, None), "EEVEE": (_FLOAT, 0.0)}, {"XYZ": _VECTOR})
+    graph = Graph(tree)
+    given = graph.add("NodeGroupInput").outputs
+    theta = graph.math("ARCCOSINE", graph.clamp(given["Cosine"], 0.0, 1.0))
+    column = graph.fused(theta, (layout.n_reflectance - 1) / (0.5 * math.pi * layout.width), 0.5 / layout.width)
+    place = graph.join(column, (layout.reflectance_y + 0.5) / layout.height, 0.0)
+    value = graph.group(found, Place=place, EEVEE=given["EEVEE"]).outputs["Value"]
+    graph.put(graph.add("NodeGroupOutput").inputs["XYZ"], value)
     return tree

@@ -64,6 +64,8 @@ class Parts:
         As in `material.Settings`.
     conserve
         Whether f is divided by albedos above 1.
+    kept
+        `lookup.reflectance` of a table that holds its stuff, whose R is then not multiplied in once more; else None.
     """
 
     name: str
@@ -73,6 +75,7 @@ class Parts:
     albedo_free: float
     fresnel: str
     conserve: bool
+    kept: bpy.types.NodeTree | None = None
 
 
 def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> dict[str, Socket]:
@@ -238,9 +241,10 @@ class Surface:
         """
         graph = self.graph
         x, y, w = (graph.scalar("DOT_PRODUCT", self[axis], h) for axis in "TBN")
-        rgb = self.value(graph.fused(x, x, graph.product(y, y)), graph.math("ARCTAN2", y, x), w)
         gain = graph.product(graph.math("GREATER_THAN", w, self["CosR"]), self["Gain"])
         cos_i = graph.difference(w, self["CosR"])
+        w, gain = self.behind_face(w, cos_i, gain)
+        rgb = self.value(graph.fused(x, x, graph.product(y, y)), graph.math("ARCTAN2", y, x), w)
         return rgb, gain, *self.with_albedo(gain, x, y, cos_i)
 
     def with_albedo(self, gain: Socket, x: Socket, y: Socket, cos_i: Socket) -> tuple[Socket, Value]:
@@ -263,6 +267,37 @@ class Surface:
         lost = graph.quotient(self["AlbedoR"], graph.math("MAXIMUM", found, self["AlbedoR"]))
         return graph.product(gain, lost), graph.math("LESS_THAN", cos_i, self.parts.albedo_free)
 
+    def behind_face(self, w: Socket, cos_i: Socket, gain: Socket) -> tuple[Socket, Socket]:
+        """|w| and the factor of a direction under a clear layer of index n, see ``shaders/brdf.osl``; as given without.
+
+        With refracted cosines c', ``w' = n (c_i' + c_r')``, ``f cos_i = t_i t_r R (1 + wi'.wr')^2 cos_i / (c_i' c_r'
+        (w'/n)^2) T`` and ``1 + wi'.wr' = (u^2 + v^2 + w'^2) / (2 n^2)``: `value.value` at w' times the factor
+        ``t_i t_r cos_i cos_r / (c_i' c_r' n^2)``.
+        """
+        index = self.parts.layout.index
+        if index == 1.0:
+            return w, gain
+        graph, cos_r = self.graph, self["CosR"]
+        inner_i, inner_r = self._refracted(cos_i), self._refracted(cos_r)
+        through = graph.product(*(graph.difference(1.0, self.outer_face(cosine)) for cosine in (cos_i, cos_r)))
+        factor = graph.quotient(graph.product(through, cos_i, cos_r), graph.product(inner_i, inner_r, index**2))
+        return graph.product(graph.sum(inner_i, inner_r), index), graph.product(gain, factor)
+
+    def _refracted(self, cosine: Socket) -> Socket:
+        """Cosine of a direction behind the outer face."""
+        graph, n2 = self.graph, self.parts.layout.index**2
+        return graph.math("SQRT", graph.product(graph.fused(cosine, cosine, n2 - 1.0), 1.0 / n2))
+
+    def outer_face(self, cosine: Socket) -> Socket:
+        """Exact reflectance of the lacquer's outer face, as ``fresnel_exact`` in ``shaders/brdf.osl``."""
+        graph, n2 = self.graph, self.parts.layout.index**2
+        c = graph.clamp(cosine, 1e-6, 1.0)
+        inside = graph.math("SQRT", graph.fused(c, c, n2 - 1.0))
+        s = graph.quotient(graph.difference(c, inside), graph.sum(c, inside))
+        dense = graph.product(c, n2)
+        p = graph.quotient(graph.difference(dense, inside), graph.sum(dense, inside))
+        return graph.product(graph.fused(s, s, graph.product(p, p)), 0.5)
+
     def limited(self, gain: Socket, rgb: Socket) -> Socket:
         """The factor of a colour whose peaks diffuse rays shall not see."""
         graph = self.graph
@@ -271,8 +306,8 @@ class Surface:
         limit = self["DiffuseLimit"]
         return graph.product(gain, graph.quotient(limit, graph.math("MAXIMUM", peak, limit)))
 
-    def base(self, pigment: Socket) -> Socket:
-        """The pigment, weighted by 1 - R at the view angle."""
+    def base(self, pigment: Socket, roughness: Socket) -> Socket:
+        """The pigment, weighted by 1 - R at the view angle, and the mirror of a lacquer's outer face."""
         graph, fresnel = self.graph, self.parts.fresnel
         reflectance: Value = 1.0
         if fresnel == "DIELECTRIC":
@@ -282,7 +317,21 @@ class Surface:
         elif fresnel == "CONDUCTOR":
             each = values.conductor(graph, self["ConductorN"], self["ConductorK"], self["CosR"])
             reflectance = graph.product(graph.scalar("DOT_PRODUCT", each, (1.0, 1.0, 1.0)), 1.0 / 3.0)
-        return self.mixed(reflectance, pigment, None)
+        if self.parts.kept is not None:
+            xyz = self.group(self.parts.kept, Cosine=self["CosR"]).outputs["XYZ"]
+            rgb = [
+                graph.clamp(graph.scalar("DOT_PRODUCT", self[row], xyz), 0.0, 1.0) for row in ("Red", "Green", "Blue")
+            ]
+            reflectance = graph.product(graph.sum(graph.sum(rgb[0], rgb[1]), rgb[2]), 1.0 / 3.0)
+        below = self.mixed(reflectance, pigment, None)
+        if self.parts.layout.index == 1.0:
+            return below
+        mirror = graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
+        face = graph.product(self.outer_face(self["CosR"]), graph.math("GREATER_THAN", self["CosR"], 0.0))
+        graph.put(mirror.inputs["Color"], graph.join(face, face, face))
+        graph.put(mirror.inputs["Roughness"], roughness)
+        graph.put(mirror.inputs["Normal"], self["N"])
+        return self.both(below, mirror.outputs[0])
 
     def mixed(self, factor: Value, a: Socket | None, b: Socket | None) -> Socket:
         """Closure a where the factor is 0, b where it is 1; Cycles steps over the nodes of the other one."""
