@@ -76,7 +76,8 @@ scan-files: $(READY)
 	@mkdir -p $(SCANS)/sources
 	@test -x $(SCANS)/venv/bin/python || $(PY) -m venv $(SCANS)/venv
 	@$(SCANS)/venv/bin/python -m pip install --quiet --requirement tests/support/independent.txt
-	@$(SCANS)/venv/bin/python -m pip install --quiet --no-deps AFMReader==0.0.7 nanosurf-core==2.0.7 nanosurf-utils==2.0.7
+	@$(SCANS)/venv/bin/python -m pip install --quiet --no-deps AFMReader==0.0.7 nanosurf-core==2.0.7 nanosurf-utils==2.0.7 \
+		spym==0.9.2 magic-afm==1.0.0b3
 	@cd $(SCANS)/sources && ../venv/bin/python -m pip download --quiet --no-deps --no-binary :all: AFMReader==0.0.7 topostats==2.2.1 \
 		&& for archive in *.tar.gz; do tar xzf $$archive; done
 	@$(SCANS)/venv/bin/python tests/support/independent.py $(SCANS)/sources $(SCANS)/cases

@@ -15,7 +15,7 @@ from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import SpectralTable, read_sidecar
 from .. import colour_spaces, paths
 from ..versions import give_nodes, tells_mirrored_uv
-from . import frame, osl, setup, travel
+from . import frame, osl, pigment, setup, travel
 from .node import group, keys
 from .node.group import NODE
 
@@ -298,25 +298,31 @@ def _connect(node: Any, settings: Settings) -> None:
             node.location, output.location = (0.0, 200.0), (280.0, 200.0)
         tree.links.new(node.outputs["BSDF"], surface)
     if not node.inputs["Base"].links:
-        pigment = tree.nodes.new("ShaderNodeBsdfDiffuse")
-        pigment.name = pigment.label = "Pigment"
-        pigment.inputs["Color"].default_value = DARK
-        pigment.location = (node.location.x - 240.0, node.location.y)
-        tree.links.new(pigment.outputs["BSDF"], node.inputs["Base"])
-    _take_over_normal(tree, node)
+        dark = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        dark.name = dark.label = "Pigment"
+        dark.inputs["Color"].default_value = DARK
+        dark.location = (node.location.x - 240.0, node.location.y)
+        tree.links.new(dark.outputs["BSDF"], node.inputs["Base"])
+    _take_over(tree, node)
     _orient(tree, node, settings)
 
 
-def _take_over_normal(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
-    """Bump and normal maps of the pigment count for the diffraction too."""
-    if node.inputs["Normal"].links or not node.inputs["Base"].links:
+def _take_over(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
+    """Bump, normal maps and transparency of the pigment count for the diffraction too; what the user linked stays."""
+    base, normal, mask = (node.inputs[name] for name in ("Base", "Normal", "Mask"))
+    if not base.links:
         return
-    below = node.inputs["Base"].links[0].from_node
-    while below.bl_idname == "NodeReroute" and below.inputs[0].links:
-        below = below.inputs[0].links[0].from_node
-    normal = below.inputs.get("Normal")
-    if normal is not None and normal.links:
-        tree.links.new(normal.links[0].from_socket, node.inputs["Normal"])
+    if not normal.links:
+        found = pigment.normal_of(base)
+        if found is not None:
+            tree.links.new(found, normal)
+    if not mask.links or mask.links[0].from_node.get(pigment.OURS) == pigment.ALPHA:
+        pigment.remove_alpha(tree)
+        alpha = pigment.alpha_of(base)
+        if isinstance(alpha, bpy.types.NodeSocket):
+            tree.links.new(alpha, mask)
+        elif alpha < 1.0:  # an opaque shader leaves the mask that the user set
+            mask.default_value = alpha
 
 
 def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) -> None:

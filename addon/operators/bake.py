@@ -46,6 +46,10 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     illuminant_file: properties.illuminant_file()
     illuminant_data: properties.illuminant_data()
     limit_mb: properties.limit_mb()
+    substrate: properties.substrate()
+    films: properties.films()
+    lacquer: properties.lacquer()
+    energy: properties.energy()
     device: EnumProperty(
         name="Device",
         description="What computes the transforms; the preferences decide where it is left out",

@@ -45,6 +45,29 @@ class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
         _table(layout, state, found)
 
 
+class DIFFRACTION_PT_bake_stuff(Sidebar, bpy.types.Panel):
+    """What the surface is made of: its reflectance goes into the table"""
+
+    bl_label = "Material of the Surface"
+    bl_parent_id = "DIFFRACTION_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, state = split(self.layout), context.scene.diffraction
+        layout.enabled = progress.running() is None
+        for name in ("substrate", "films", "lacquer"):
+            layout.prop(state, name)
+        try:
+            made = bake_settings.stuff(state.substrate, state.films, state.lacquer)
+        except DiffractionError as error:
+            note(layout, str(error), "ERROR")
+            return
+        if made["stack"] is not None:
+            layout.prop(state, "stack_colour")
+            for text in made["stack"].notes:
+                note(layout, text)
+
+
 class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
     """Less needed options of the bake"""
 
@@ -59,7 +82,7 @@ class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
         layout.prop(state, "illuminant")
         if state.illuminant == light_file.FILE:
             _light(layout, state)
-        for name in ("series", "tolerance", "limit_mb"):
+        for name in ("series", "tolerance", "energy", "limit_mb"):
             layout.prop(state, name)
 
 
@@ -117,4 +140,4 @@ def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:
         )
 
 
-CLASSES = (DIFFRACTION_PT_bake, DIFFRACTION_PT_bake_advanced)
+CLASSES = (DIFFRACTION_PT_bake, DIFFRACTION_PT_bake_stuff, DIFFRACTION_PT_bake_advanced)

@@ -77,6 +77,14 @@ def _is_opd(path: Path, head: bytes) -> bool:
     return head[2:11] == b"Directory"
 
 
+def _is_ardf(path: Path, head: bytes) -> bool:
+    return head[8:12] == b"ARDF"
+
+
+def _is_sm4(path: Path, head: bytes) -> bool:
+    return head[2:18] == "STiMage ".encode("utf-16-le")
+
+
 def _ends(extension: str) -> Callable[[Path, bytes], bool]:
     """For archives, whose first bytes tell nothing: the name decides."""
     return lambda path, head: path.suffix.lower() == extension
@@ -114,10 +122,13 @@ FORMATS: tuple[Format, ...] = (
     Format("opdx", (".opdx",), "optical.opdx", "read_opdx", (b"VCA DATA\x01\0\0\x55",)),
     Format("datx", (".datx",), "optical.datx", "read_datx", (_HDF,), _ends(".datx")),
     Format("nhf", (".nhf",), "probe.nanosurf_hdf", "read_nhf", (_HDF,), _ends(".nhf")),
-    Format("h5-jpk", (".h5-jpk",), "probe.jpk_hdf", "read_h5_jpk", (_HDF,), _ends(".h5-jpk")),
+    Format("h5-jpk", (), "probe.jpk_hdf", "read_h5_jpk", (_HDF,), _ends(".h5-jpk")),
     Format("al3d", (".al3d",), "optical.al3d", "read_al3d", (b"AliconaImaging\0\r\n",)),
     Format("nms", (".nms",), "optical.nms", "read_nms"),
     Format("mi", (".mi",), "probe.mi", "read_mi", (b"fileType",)),
+    Format("ardf", (".ardf",), "probe.ardf", "read_ardf", (), _is_ardf),
+    Format("omicron", (), "probe.omicron_flat", "read_flat", (b"FLAT0100",)),
+    Format("sm4", (".sm4",), "probe.sm4", "read_sm4", (), _is_sm4),
     Format("mdt", (".mdt",), "probe.mdt", "read_mdt", (b"\x01\xb0\x93\xff",)),
     Format("nanosurf", (".nid", ".ezd"), "probe.nanosurf", "read_nid", (b"[DataSet]",)),
     Format("park", (".tiff", ".tif"), "probe.park", "read_park", (b"II*\0", b"MM\0*"), _is_park),

@@ -7,7 +7,7 @@
 
 from .material import Material
 from .materials import MATERIALS, material_of
-from .stack import Film, Group, Stack, parse_stack, stack_of, to_json
+from .stack import Film, Group, Stack, parse_stack, split_films, stack_of, to_json
 from .transfer import fresnel_exact, reflectance
 
 __all__ = [
@@ -20,6 +20,7 @@ __all__ = [
     "material_of",
     "parse_stack",
     "reflectance",
+    "split_films",
     "stack_of",
     "to_json",
 ]

@@ -183,6 +183,19 @@ def parse_stack(substrate: Any, films: Iterable[Any] = ()) -> Stack | None:
     return Stack(material_of(substrate), parts)
 
 
+def split_films(text: str) -> tuple[str, ...]:
+    """Films in one line of text, outermost first: blanks or semicolons part them, except within brackets."""
+    films, depth, current = [], 0, ""
+    for sign in text:
+        depth += (sign == "(") - (sign == ")")
+        if depth <= 0 and (sign == ";" or sign.isspace()):
+            films.append(current)
+            current = ""
+        else:
+            current += sign
+    return tuple(film for film in (*films, current) if film.strip())
+
+
 def _part(text: Any) -> Film | Group:
     if isinstance(text, Film | Group):
         return text

@@ -155,6 +155,41 @@ def by_other_packages():
                 keep(path.name, path, *by_surface_topography(path), "SurfaceTopography", "SurfaceTopography")
 
 
+#: Reader, writer and channel.
+ONE_MODULE = {"sm4": ("spym", "tests", "Topography (forward)"), "ardf": ("magic-afm", "tests", "HeightTrace")}
+
+
+def module(name, inside):
+    """A file of a package without what the package wants around it."""
+    import importlib.util
+
+    folder = Path(importlib.util.find_spec(name).submodule_search_locations[0])
+    spec = importlib.util.spec_from_file_location(f"only_{name}", folder / inside)
+    found = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = found
+    spec.loader.exec_module(found)
+    return found
+
+
+def by_spym(path):
+    """The third page; its first row is the top."""
+    page = module("spym", "io/rhksm4/_sm4.py").RHKsm4(path)[2]
+    data = page.data.reshape(23, 31)  # it takes columns for rows, which only square images forgive
+    return data[::-1] * float(page.attrs["RHK_Zscale"]) + float(page.attrs["RHK_Zoffset"])
+
+
+def by_magic_afm(path):
+    """The second image."""
+    readers = module("magic_afm", "data_readers.py")
+    data = path.read_bytes()
+    _, (_, pointer) = readers.ARDFTableOfContents.unpack(readers.ARDFHeader.unpack(data, 16)).entries
+    image = readers.ARDFImage.parse_imag(readers.ARDFHeader.unpack(data, pointer))
+    box = readers.ARDFHeader.unpack(data, image.ibox_offset)
+    _, lines, stride = readers.TOC_STRUCT.unpack_from(data, box.offset + 16)
+    start = box.offset + box.size + 16
+    return np.ndarray((lines, (stride - 16) // 4), "<f4", data, start, (stride, 4))
+
+
 def by_the_tests():
     """Formats of which no file can be had: what the tests write, as others read it."""
     heights, _ = surface()
@@ -174,6 +209,8 @@ def by_the_tests():
                 if not found:
                     keep(path.name, path, values, sides, reader.__name__[3:], "tests")
                     found = True
+            if name in ("sm4", "ardf"):
+                keep(path.name, path, (by_spym if name == "sm4" else by_magic_afm)(path), size, *ONE_MODULE[name])
             if name == "nhf":
                 from nanosurf.utils.io.nhf_reader import NHFFileReader
 

@@ -8,6 +8,7 @@ import io
 import struct
 import tempfile
 import zipfile
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -190,6 +191,102 @@ def opdx(heights, size, missing=None):
     )  # fmt: skip
 
 
+def ardf(heights, size):
+    """A phase image and one of heights in metres, each with a text; sections with their checksums."""
+    rows, cols = heights.shape
+
+    def section(name, body):
+        rest = struct.pack("<I4sI", 16 + len(body), name, 0) + body
+        return struct.pack("<I", zlib.crc32(rest)) + rest
+
+    def table(name, stride, entries):
+        body = b"".join(entries)
+        return section(name, struct.pack("<QII", 32 + len(body), len(entries), stride)) + body
+
+    def entry(name, *values):
+        rest = struct.pack(f"<I4sI{len(values)}Q", 16 + 8 * len(values), name, 0, *values)
+        return struct.pack("<I", zlib.crc32(rest)) + rest
+
+    def image(title, unit, values):
+        steps = size[0] / cols, size[1] / rows
+        words = [word.encode().ljust(32, b"\0") for word in ("m", "m", title, unit)]
+        lines = b"".join(section(b"IDAT", row.astype("<f4").tobytes()) for row in values)
+        box = section(b"IBOX", struct.pack("<QII", 32 + len(lines), rows, 4 * cols + 16)) + lines
+        return (
+            table(b"IMAG", 24, [entry(b"NEXT", 0), entry(b"THMB", 0)])
+            + table(b"TTOC", 32, [entry(b"TOFF", 0, 0)])
+            + section(b"IDEF", struct.pack("<IIQQdd", cols, rows, 0, 0, *steps) + b"".join(words))
+            + box
+        )
+
+    images = [image("PhaseTrace", "deg", np.zeros_like(heights)), image("HeightTrace", "m", heights)]
+    start = 16 + 32 + 2 * 24
+    contents = table(b"FTOC", 24, [entry(b"IMAG", start), entry(b"IMAG", start + len(images[0]))])
+    return section(b"ARDF", b"") + contents + b"".join(images)
+
+
+def omicron(heights, size, mirrored=(1, 1), lines=None, transfer="TFF_Linear1D"):
+    """Up and down, forwards and backwards, each a tenth of a micrometre above the last; 0.01 nm a count."""
+    rows, cols = heights.shape
+
+    def word(text):
+        return struct.pack("<I", len(text)) + text.encode("utf-16-le")
+
+    def axis(name, count, step, both):
+        head = word(name) + word("Default") + word("m") + struct.pack("<Iii", count * (1 + both), 0, 1)
+        return head + struct.pack("<ddII", 0.0, step, both, 1) + word(name) + struct.pack("<I3I", 1, 0, count, 1)
+
+    def counts(number):
+        return np.rint((heights + 1e-7 * number) / 1e-11).astype("<i4") + 7
+
+    stored = []
+    for down in range(1 + mirrored[1]):
+        for row in range(rows)[:: -1 if down else 1]:
+            for backward in range(1 + mirrored[0]):
+                stored.append(counts(2 * down + backward)[row][:: -1 if backward else 1])
+    stored = np.array(stored[: lines or len(stored)])
+    values = {"Factor": 1e11, "Offset": 7.0}
+    if transfer != "TFF_Linear1D":
+        values = {"Raw_1": 3.0, "PreOffset": 1.0, "NeutralFactor": 2e11, "PreFactor": 1.0, "Offset": 7.0}
+    out = b"FLAT0100" + struct.pack("<I", 2) + axis("X", cols, size[0] / cols, mirrored[0])
+    out += axis("Y", rows, size[1] / rows, mirrored[1]) + word("Z") + word(transfer) + word("m")
+    out += struct.pack("<I", len(values)) + b"".join(word(k) + struct.pack("<d", v) for k, v in values.items())
+    out += struct.pack("<IIQ", 1, 2, 0) + word("a comment") + struct.pack("<II", stored.size, stored.size)
+    return out + stored.tobytes() + struct.pack("<I", 0)
+
+
+def sm4(heights, size, upwards=False, leftwards=False):
+    """A spectrum and two images, current and topography (0.01 nm a count, 0.5 um added)."""
+    rows, cols = heights.shape
+    counts = np.rint((heights - 0.5e-6) / 1e-11).astype("<i4")
+    counts = counts[:: 1 if upwards else -1, :: -1 if leftwards else 1]
+    out = bytearray(58 + 12 + 16 + 12)
+    struct.pack_into("<H", out, 0, 56)
+    out[2:38] = "STiMage 005.006 1\0".encode("utf-16-le")
+    struct.pack_into("<5I", out, 38, 3, 1, 12, 0, 0)
+    struct.pack_into("<3I", out, 58, 1, 70, 16)
+    pages = []
+    for kind, label, unit in ((1, "IV", "A"), (0, "Current", "A"), (0, "Topography", "m")):
+        words = [label, "", "", "", "", "01/02/20", "12:34:56", "m", "m", unit, "x", "y", "", "0", "0", "", "", ""]
+        text = b"".join(struct.pack("<H", len(word)) + word.encode("utf-16-le") for word in words)
+        head = struct.pack("<HH9I", 180, len(words), 0, 0, 0, 0, 0, cols, rows, 0, 0)
+        head += struct.pack("<4I", 0, counts.nbytes, 0, 0)
+        steps = (-1 if leftwards else 1) * size[0] / cols, (1 if upwards else -1) * size[1] / rows
+        head += struct.pack("<11f", *steps, 1e-11, 0, 0, 0, 0.5e-6, 0, 0, 0, 0) + struct.pack("<4I", 0, 0, 0, 1)
+        at = len(out)
+        strings = at + 180 + 12
+        out += head + bytes(64) + struct.pack("<3I", 10, strings, len(text)) + text
+        pages.append((kind, at, len(out)))
+        out += counts.tobytes()
+    index = len(out)
+    struct.pack_into("<4I", out, 70, len(pages), 1, 0, 0)
+    struct.pack_into("<3I", out, 86, 2, index, 1)
+    for kind, head_at, data_at in pages:
+        out += bytes(16) + struct.pack("<4I", kind, 0, 2, 6)
+        out += struct.pack("<6I", 3, head_at, 180, 4, data_at, counts.nbytes)
+    return bytes(out)
+
+
 def npy(heights, size, order="C"):
     file = io.BytesIO()
     np.save(file, np.asarray(heights[::-1], order=order))
@@ -296,5 +393,8 @@ WRITERS = {
     "mi": (mi, ".mi", 0.02e-9),
     "mdt": (mdt, ".mdt", 0.03e-9),
     "opdx": (opdx, ".opdx", 1e-13),
+    "ardf": (ardf, ".ardf", 1e-13),
+    "omicron": (omicron, ".Z_flat", 0.006e-9),
+    "sm4": (sm4, ".sm4", 0.006e-9),
 }
 HDF = {"datx": (datx, ".datx", 1e-20), "nhf": (nhf, ".nhf", 1e-15), "h5-jpk": (h5_jpk, ".h5-jpk", 1e-14)}

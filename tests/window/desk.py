@@ -51,6 +51,49 @@ class Desk:
         time.sleep(1.0)
         self.open_sidebar()
 
+    def settle(self):
+        """Until what was asked for has been drawn."""
+        time.sleep(0.8)
+        self.run("0")
+
+    def over_view(self):
+        """The mouse over the 3-D view, where its keys go."""
+        x, y, width, height = self.look("rectangle('VIEW_3D', 'WINDOW')")
+        self.driver.point(x + width // 3, y + height // 2)
+
+    def browse(self, what, path, **options):
+        """Press a button that opens a file browser, choose a file there, or leave it by Esc for None.
+
+        Returns
+        -------
+        dict
+            The options that the browser offered at first.
+        """
+        windows = self.look("len(bpy.context.window_manager.windows)")
+        self.press(what, wait=False)
+        deadline = time.monotonic() + 30.0
+        while self.look("len(bpy.context.window_manager.windows)") == windows:
+            assert time.monotonic() < deadline, "No file browser opened"
+            time.sleep(0.2)
+        self.settle()
+        space = f"window({windows}).screen.areas[0].spaces.active"
+        active = f"{space}.active_operator"
+        offered = {name: self.look(f"{active}.{name}") for name in ("size_um", "height_nm")}
+        self.last_folder = self.look(f"{space}.params.directory.decode()")
+        x, y, width, height = self.look(f"rectangle('FILE_BROWSER', 'WINDOW', {windows})")
+        self.driver.point(x + width // 2, y + height // 2, windows)
+        if path is None:
+            self.driver.key("ESC", windows)
+        else:
+            for name, value in options.items():
+                self.run(f"{active}.{name} = {value!r}")
+            self.run(f"p = {space}.params\np.directory = {str(path.parent)!r}.encode()\np.filename = {path.name!r}")
+            self.settle()
+            self.run(f"with within('FILE_BROWSER', 'WINDOW', {windows}): bpy.ops.file.execute('INVOKE_DEFAULT')")
+        self.settle()
+        self.wait()
+        return offered
+
     def render(self, seconds=240.0):
         """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
         import numpy as np

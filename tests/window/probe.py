@@ -40,6 +40,8 @@ def rectangle(kind="VIEW_3D", name="UI", number=0):
 
 
 def send(kind, value, x, y, number=0, **more):
+    if number >= len(bpy.context.window_manager.windows):  # a key's press has closed it before its release
+        return
     window(number).event_simulate(type=kind, value=value, x=int(x), y=int(y), **more)
 
 

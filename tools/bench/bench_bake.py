@@ -183,7 +183,7 @@ def main():
     parser.add_argument("--size-um", nargs=2, type=float)
     parser.add_argument("--height-nm", type=float)
     parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--directions", type=int, default=60)
+    parser.add_argument("--directions", type=int, default=30)
     parser.add_argument("--largest", type=int, default=4096, help="side of the large surface; 0 leaves it out")
     parser.add_argument("--growth", action="store_true", help="also over sizes and coherence windows")
     arguments = parser.parse_args()

@@ -37,6 +37,11 @@ def house_picture():
     subprocess.run([sys.executable, ROOT / "tools" / "docs" / "house_picture.py"], check=True)
 
 
+def preset_thumbnails():
+    """The small pictures of the panel's menu, which ship with the extension."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs" / "preset_thumbnails.py"], check=True)
+
+
 def paint_picture():
     """Recipes of grating paint."""
     subprocess.run([sys.executable, ROOT / "tools" / "docs" / "paint_pictures.py"], check=True)
@@ -76,6 +81,7 @@ def main():
     house_picture()
     demo_pictures()
     preset_pictures()
+    preset_thumbnails()
     paint_picture()
     guide()
     gallery()

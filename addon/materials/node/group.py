@@ -114,7 +114,8 @@ def build(
     image, directions = images
     variant = json.dumps([fresnel, conserve] if implementation == "NODES" else [])
     source = osl.source(layout, albedo_max, albedo_free=albedo_free) if implementation == "OSL" else ""
-    made_from = [sidecar["atlas"]["sha256"], source, light, sidecar["layout"]]
+    sockets = [socket.name for socket in interface.SOCKETS]
+    made_from = [sidecar["atlas"]["sha256"], source, light, sidecar["layout"], sockets]
     stamp = hashlib.sha256(json.dumps(made_from, sort_keys=True).encode()).hexdigest()
     found = _existing(image, implementation, variant)
     tree = found or bpy.data.node_groups.new(f"Diffraction {stem}", "ShaderNodeTree")
@@ -125,6 +126,7 @@ def build(
                 _fill_with_osl(tree, stem, source, own)
             else:
                 nodes_twin.build(tree, stem, image, layout, albedo_max, fresnel, conserve, own)
+            _mask(tree)
         except Exception:
             if found is None:
                 bpy.data.node_groups.remove(tree)
@@ -135,6 +137,22 @@ def build(
     tree[keys.IMPLEMENTATION], tree[keys.VARIANT], tree[keys.STAMP] = implementation, variant, stamp
     tree[keys.ILLUMINANT] = light
     return tree
+
+
+def _mask(tree: bpy.types.NodeTree) -> None:
+    """The pigment alone where the mask is 0; a mask of 1 that is not linked costs nothing in Cycles."""
+    graph = Graph(tree)
+    out = next(node for node in tree.nodes if node.bl_idname == "NodeGroupOutput")
+    given = graph.add("NodeGroupInput", label="Mask")
+    mix = graph.add("ShaderNodeMixShader", label="Where the structure is")
+    shaded = out.inputs[interface.OUTPUT]
+    tree.links.new(given.outputs["Mask"], mix.inputs[0])
+    tree.links.new(given.outputs["Base"], mix.inputs[1])
+    tree.links.new(shaded.links[0].from_socket, mix.inputs[2])
+    tree.links.new(mix.outputs[0], shaded)
+    out.location.x += 240.0
+    mix.location = (out.location.x - 180.0, out.location.y)
+    given.location = (mix.location.x, mix.location.y - 60.0)
 
 
 def _existing(image: bpy.types.Image, implementation: str, variant: str) -> bpy.types.NodeTree | None:
@@ -158,7 +176,8 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
     script.name = SCRIPT
     given = graph.add("NodeGroupInput", label="Settings")
     for socket in interface.SOCKETS:
-        tree.links.new(given.outputs[socket.name], script.inputs[socket.name])
+        if socket.name in script.inputs:
+            tree.links.new(given.outputs[socket.name], script.inputs[socket.name])
     surface = _uv_frame(tree, script)
 
     lights = [lamp_nodes.lamp(graph, slot) for slot in range(1, osl.LAMPS_MAX + 1)]

@@ -60,6 +60,9 @@ def test_variants(read):
         ("a.vk4", more_scan_files.vk4(HEIGHTS, SIZE, bits=16)),
         ("a.dat", more_scan_files.metropro(HEIGHTS, SQUARE, inverted=1)),
         ("a.dat", more_scan_files.metropro(HEIGHTS, SQUARE, magic=b"\x88\x1b\x03\x71")),
+        ("a.sm4", more_scan_files.sm4(HEIGHTS, SIZE, upwards=True)),
+        ("a.sm4", more_scan_files.sm4(HEIGHTS, SIZE, leftwards=True)),
+        ("a.Z_flat", more_scan_files.omicron(HEIGHTS, SIZE, (0, 0), transfer="TFF_MultiLinear1D")),
         ("a.mi", more_scan_files.mi(HEIGHTS, SIZE, bits=32)),
     ):
         np.testing.assert_allclose(read(name, data).heights, HEIGHTS, atol=0.06e-9)
@@ -76,6 +79,8 @@ JPK_CHANNELS = [
     [
         ("mi", ["Deflection [V]", "Topography [um]"]),
         ("mdt", ["DFL [V]", "Height [nm]"]),
+        ("ardf", ["PhaseTrace [deg]", "HeightTrace [m]"]),
+        ("sm4", ["Current (forward) [A]", "Topography (forward) [m]"]),
         ("nhf", ["Deflection (Forward) [V]", "Topography (Forward) [m]"]),
         ("h5-jpk", JPK_CHANNELS),
     ],
@@ -83,6 +88,16 @@ JPK_CHANNELS = [
 def test_channels(read, name, offered):
     file, data, *_ = written(name)
     assert read(file, data).metadata["channels"] == offered
+
+
+def test_omicron_scans_both_ways_and_stopped(read):
+    data = more_scan_files.omicron(HEIGHTS, SIZE)
+    for number, name in enumerate(("up, forward", "up, backward", "down, forward", "down, backward")):
+        field = read("a.Z_flat", data, channel=f"Z ({name})")
+        np.testing.assert_allclose(field.heights, HEIGHTS + 1e-7 * number, atol=0.006e-9)
+    stopped = read("a.Z_flat", more_scan_files.omicron(HEIGHTS, SIZE, (1, 0), lines=6))
+    assert stopped.shape == (5, 6) and stopped.missing[3:].all() and not stopped.missing[:3].any()
+    np.testing.assert_allclose(stopped.valid, HEIGHTS[:3].ravel(), atol=0.006e-9)
 
 
 @pytest.mark.parametrize("order", ["C", "F"])
@@ -162,7 +177,8 @@ MAPPED = [
     ("stp", scan_files.wsxm), ("sxm", scan_files.nanonis), ("sur", scan_files.sur), ("sdf", scan_files.sdf_binary),
     ("opd", scan_files.opd), ("plu", scan_files.plu), ("ibw", scan_files.igor), ("vk4", more_scan_files.vk4),
     ("nms", more_scan_files.nms), ("mi", more_scan_files.mi), ("mdt", more_scan_files.mdt),
-    ("opdx", more_scan_files.opdx), ("al3d", more_scan_files.al3d),
+    ("sm4", more_scan_files.sm4),
+    ("ardf", more_scan_files.ardf), ("opdx", more_scan_files.opdx), ("al3d", more_scan_files.al3d),
 ]  # fmt: skip
 
 

@@ -217,6 +217,15 @@ def test_damaged_sidecars_are_refused(value):
         stack_of(value)
 
 
+def test_films_in_one_line_of_text():
+    from precompute.stack import split_films
+
+    assert split_films("SiO2:250  1.46:3;(chitin:100, melanin:80)x12") == (
+        "SiO2:250", "1.46:3", "(chitin:100, melanin:80)x12",
+    )  # fmt: skip
+    assert split_films("  ") == ()
+
+
 def test_equal_figures_are_one_material():
     assert Stack(material_of("1.5")) == Stack(material_of(1.5))
     assert material_of(1.5) != material_of("1.5,0.1")
