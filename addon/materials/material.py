@@ -166,7 +166,6 @@ def apply(material: bpy.types.Material, table: str | Path, settings: Settings) -
     _connect(node, settings)
     set_settings(node, settings)
     _hide_what_is_inside(node, table)
-    travel.sync(tree)
     setup.prepare_material(material)
     return material
 
@@ -201,6 +200,7 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
         albedo_free,
     )  # fmt: skip
     travel.note_scene_recipe(tree)
+    travel.sync(tree)
     return tree
 
 
@@ -215,7 +215,6 @@ def set_table(material: bpy.types.Material, table: str | Path) -> None:
     tree = table_group(table, settings_of(material))
     shader_node(material).node_tree = tree
     _hide_what_is_inside(shader_node(material), table)
-    travel.sync(tree)
 
 
 def _hide_what_is_inside(node: Any, table: str | Path) -> None:

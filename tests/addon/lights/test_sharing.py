@@ -101,9 +101,9 @@ def test_spread_on_constant_f_equals_diffuse(blender, monkeypatch, tmp_path, spr
     area(PLACE, (0, 0, 0), size=2, spread=math.radians(spread))
     plane = scenes.add_plane(half=0.5)
     scenes.add_camera((0, -2, 2), extent=1.0)
-    ours, diffuse = both(plane, monkeypatch, tmp_path, samples=128)
+    ours, diffuse = both(plane, monkeypatch, tmp_path, samples=1024)
     assert diffuse.mean() > 0.01
-    assert ours.mean() == pytest.approx(diffuse.mean(), rel=0.015)
+    assert ours.mean() == pytest.approx(diffuse.mean(), rel=0.03)
 
 
 def test_portal_gets_no_lobe(blender, blazed):
