@@ -15,7 +15,7 @@ import bpy
 from ...precompute.table.layout import TableLayout
 from ..lights import slots
 from .node import interface, lamp_nodes
-from .node_graph import Graph, Socket
+from .node_graph import Graph, Socket, Value
 from .twin import environment, lamps, lookup
 from .twin import value as values
 from .twin.surface import Parts, Surface, shared
@@ -25,7 +25,7 @@ VERSION = 3
 
 
 def build(
-    tree: bpy.types.NodeTree, stem: str, images: tuple[bpy.types.Image, bpy.types.Image], layout: TableLayout,
+    tree: bpy.types.NodeTree, stem: str, images: tuple[bpy.types.Image, bpy.types.Image | None], layout: TableLayout,
     albedo_max: float, fresnel: str, conserve: bool, own: Any, albedo_free: float = 2.0,
 ) -> None:  # fmt: skip
     """Fill (or fill anew) the group of a table.
@@ -48,6 +48,7 @@ def build(
         Cosine above which no albedo passes 1 (`importance.albedo_free_cosine`).
     """
     atlas, directions = images
+    assert directions is not None, "a material of the kind Nodes draws directions"
     texels = lookup.texels(atlas, layout)
     table = lookup.transform(stem, layout, texels)
     kept = lookup.reflectance(stem, layout, texels) if layout.holds_reflectance else None
@@ -81,11 +82,14 @@ def _lamps(
     """
     graph = surface.graph
     jitter = lamps.jitter(graph, random)
-    closure, outside, outside_in_eevee, shown = None, 1.0, enabled, None
+    closure: Any = None
+    shown: Any = None
+    outside: Value = 1.0
+    outside_in_eevee = enabled
     for slot in range(1, slots.SLOTS + 1):
         lamp = lamp_nodes.lamp(graph, slot).outputs
-        sockets = {name: lamp[name] for name in lamp_nodes.OUTPUTS} | {"To": drawn["To"]}
-        more = {"Random": random, "Jitter": jitter, "Step": lamps.step(slot)}
+        sockets: dict[str, Any] = {name: lamp[name] for name in lamp_nodes.OUTPUTS} | {"To": drawn["To"]}
+        more: dict[str, Any] = {"Random": random, "Jitter": jitter, "Step": lamps.step(slot)}
         aimed = surface.group(lobe, **sockets, **more).outputs
         closure = aimed["Lobe"] if closure is None else surface.both(closure, aimed["Lobe"])
         outside = graph.product(outside, aimed["Outside"])

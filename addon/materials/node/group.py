@@ -146,7 +146,7 @@ def build(
 def _mask(tree: bpy.types.NodeTree) -> None:
     """The pigment alone where the mask is 0; a mask of 1 that is not linked costs nothing in Cycles."""
     graph = Graph(tree)
-    out = next(node for node in tree.nodes if node.bl_idname == "NodeGroupOutput")
+    out: Any = next(node for node in tree.nodes if node.bl_idname == "NodeGroupOutput")
     given = graph.add("NodeGroupInput", label="Mask")
     mix = graph.add("ShaderNodeMixShader", label="Where the structure is")
     shaded = out.inputs[interface.OUTPUT]

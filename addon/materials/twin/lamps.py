@@ -71,7 +71,8 @@ def jitter(graph: Graph, random: Socket) -> Socket:
 
 def step(slot: int) -> tuple[float, float, float]:
     """What a slot's random numbers are away from those that all share."""
-    return tuple(math.fmod(slot * each, 1.0) for each in _LATTICE)
+    x, y, z = (math.fmod(slot * each, 1.0) for each in _LATTICE)
+    return x, y, z
 
 
 def in_cycles(parts: Parts) -> bpy.types.NodeTree:
@@ -172,7 +173,7 @@ def _far(graph: Graph, given: Any, seen: Seen) -> tuple[Socket, Socket]:
 
     nearness = graph.math("POWER", graph.scalar("LENGTH", to), -3.0)
     part = graph.sum(graph.product(seen.is_rectangle, 1.0 / math.sqrt(3.0) - 0.5), 0.5)
-    total: Value = None
+    total: Any = None
     for sign in ("ADD", "SUBTRACT"):
         corner = graph.scaled(graph.vector(sign, u, v), part)
         for way in ("ADD", "SUBTRACT"):

@@ -157,8 +157,9 @@ def _frame(graph: Graph, given: Any, n: Socket, in_eevee: Socket) -> tuple[Socke
     graph.put(turned.inputs[0], read[0].outputs["Vector"])
     along, sign = turned.outputs[0], read[1].outputs["Fac"]
     along_uv, across_uv = frame.uv_frame(graph.tree)
-    for socket in (along_uv, across_uv):
-        socket.node.hide = True
+    node: Any
+    for node in (along_uv.node, across_uv.node):
+        node.hide = True
     along = graph.mix(in_eevee, along, _surface_direction(graph, columns, along_uv))
     as_normal = _surface_direction(graph, columns, given["Tangent"])
     own = graph.mix(given["TangentIsDirection"], as_normal, given["Tangent"])
@@ -233,7 +234,7 @@ class Surface:
         """`value.value` for a direction."""
         return self.group(self.parts.value, Square=square, Turn=turn, W=w).outputs["Value"]
 
-    def f_cos(self, h: Socket) -> tuple[Socket, Socket, Socket, Socket]:
+    def f_cos(self, h: Socket) -> tuple[Socket, Socket, Socket, Value]:
         """f cos for the sum h of the directions to light and viewer: RGB, its factor, that with the light's albedo.
 
         The last socket is 1 where the light's albedo may pass 1: elsewhere the two factors are the same. Both are 0

@@ -63,11 +63,12 @@ def dielectric(graph: Graph, r0: Value, rest: Socket) -> Socket:
 
 def conductor(graph: Graph, n: Socket, k: Socket, cos_half: Socket) -> Socket:
     """As ``fresnel_conductor`` in ``shaders/brdf.osl``, a vector."""
-    n, k = graph.split(n), graph.split(k)
+    each_n, each_k = graph.split(n), graph.split(k)
     c = graph.clamp(cos_half, 0.0, 1.0)
     c2 = graph.product(c, c)
     s2 = graph.difference(1.0, c2)
-    return graph.join(*(_conductor(graph, n[i], k[i], c, c2, s2) for i in range(3)))
+    red, green, blue = (_conductor(graph, each_n[i], each_k[i], c, c2, s2) for i in range(3))
+    return graph.join(red, green, blue)
 
 
 def _conductor(graph: Graph, n: Socket, k: Socket, c: Socket, c2: Socket, s2: Socket) -> Socket:
