@@ -31,6 +31,15 @@ void main()
     // EEVEE's depth was seen through another point of the pixel: as far towards the viewer as the surface rises there.
     gl_FragDepth = clamp(gl_FragCoord.z - df_frame.ambient.w * fwidth(gl_FragCoord.z), 0.0, 1.0);
 #endif
+#ifdef BOUNDED
+    for (int i = 0; i < 6; i++) {
+        if (dot(df_frame.clip[i], vec4(world_place, 1.0)) <= 0.0)
+            discard;
+    }
+    bool outside = any(lessThan(gl_FragCoord.xy, df_frame.border.xy)) || any(greaterThan(gl_FragCoord.xy, df_frame.border.zw));
+    if (df_frame.border.z > 0.0 && outside)
+        discard;
+#endif
     vec3 to_viewer = df_frame.viewer.w > 0.5 ? normalize(df_frame.viewer.xyz - world_place) : df_frame.viewer.xyz;
     vec3 n = normalize(world_normal);
     float cos_r = dot(n, to_viewer);

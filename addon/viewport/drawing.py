@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import traceback
 from collections import OrderedDict
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -21,6 +21,7 @@ from .data.display import Display
 from .data.series import SeriesTextures
 from .data.textures import Tables
 from .looks import View
+from .manners import PLAIN, Manners
 
 #: Views of different scenes or layers whose lists are kept.
 _LISTS = 4
@@ -86,9 +87,10 @@ class Renderer:
         view: View,
         through_display: bool,
         visible: Callable[[bpy.types.Object], bool],
-        list_key: int = 0,
+        list_key: Hashable = 0,
         skips_nodes: bool = False,
         loose_depth: bool = False,
+        asks: Manners = PLAIN,
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
 
@@ -108,6 +110,8 @@ class Renderer:
             Whether materials made of nodes have shown their diffraction already, as they do in EEVEE.
         loose_depth
             Whether the framebuffer's depth was sampled elsewhere in the pixels, as EEVEE's is.
+        asks
+            What the view asks of whoever draws in it.
         """
         attempt = (self.version, view)
         if self._failed == attempt:
@@ -115,7 +119,7 @@ class Renderer:
         try:
             skips = skips_nodes and view.surface == "ADD"
             listing = self._listing(depsgraph, visible, list_key, skips)
-            count = self._draw(listing, depsgraph, view_matrix, projection, view, through_display, loose_depth)
+            count = self._draw(listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks)
         except DiffractionError as error:
             self._fail(attempt, str(error))
             return 0
@@ -131,7 +135,7 @@ class Renderer:
             print(f"Diffraction: {message}")
         self.message, self._failed = message, attempt
 
-    def _draw(self, listing, depsgraph, view_matrix, projection, view, through_display, loose_depth) -> int:
+    def _draw(self, listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks) -> int:
         import gpu
 
         self.message = ""
@@ -141,7 +145,11 @@ class Renderer:
         if view.lights == "STUDIO" or not len(rows):
             rows = lamps.studio_rows(view_matrix)
         exposure = depsgraph.scene.original.view_settings.exposure
-        frame = blocks.Frame(view_matrix, projection, rows, view.points, through_display, exposure, listing.ambient)
+        frame = blocks.Frame(
+            view_matrix, projection, rows, view.points, through_display, exposure, listing.ambient,
+            clip=asks.clip, border=asks.border,
+        )  # fmt: skip
+        view = replace(view, brightness=view.brightness * asks.see_through)
         shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
         state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
         gpu.state.blend_set("NONE" if view.surface == "REPLACE" else "ADDITIVE")

@@ -36,6 +36,7 @@ class DIFFRACTION_PT_viewport(bpy.types.Panel):
         active = context.object.active_material if context.object is not None else None
         if material.is_ours(active):
             layout.prop(active.diffraction_viewport, "show")
+        layout.operator("diffraction.viewport_render", text="Render Picture", icon="RENDER_STILL")
         shading = getattr(context.space_data, "shading", None)
         if shading is not None and shading.type == "RENDERED" and context.scene.render.engine == "CYCLES":
             layout.label(text="Cycles shows the material itself", icon="INFO")

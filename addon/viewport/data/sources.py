@@ -12,7 +12,8 @@ from ...shader_files import SHADERS
 _TYPES = """
 struct DiffractionLamp { vec4 place; vec4 half_u; vec4 half_v; vec4 normal; vec4 colour; vec4 extra; };
 struct DiffractionFrame {
-  mat4 view; mat4 projection; vec4 viewer; vec4 counts; vec4 display; vec4 ambient; DiffractionLamp lamps[LAMPS_MAX];
+  mat4 view; mat4 projection; vec4 viewer; vec4 counts; vec4 display; vec4 ambient; vec4 clip[6]; vec4 border;
+  DiffractionLamp lamps[LAMPS_MAX];
 };
 struct DiffractionSurface {
   vec4 radial; vec4 slices; vec4 value; vec4 texel; vec4 to_red; vec4 to_green; vec4 to_blue; vec4 fresnel;
@@ -31,6 +32,7 @@ METHODS = ("TABLE", "FLSS")
 #: known length.
 FLAGS = (
     "LOOSE_DEPTH",  # the depth buffer's points lie elsewhere in their pixels
+    "BOUNDED",  # by clipping planes or a border
     "DISPLAY",  # colours pass through the view transform
     "REPLACE",  # draws the pigment too
     "TURNED",  # an image of angles
