@@ -85,9 +85,17 @@ void main()
 #endif
     light += df_frame.ambient.rgb * min(albedo_r, 1.0) * fresnel(cos_r);
 #endif
+#ifdef SKY
+    if (diffracts)
+        light += sky_light(frame, wr, albedo_r);
+#endif
     light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
 #ifdef REPLACE
-    pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);
+    vec3 around = df_frame.ambient.rgb;
+#ifdef SKYLIT
+    around += sky_radiance(front ? n : -n, PI);
+#endif
+    pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + around);
     light += (vec3(1.0) - fresnel(abs(cos_r))) * pigment;
 #endif
     out_colour = vec4(displayed(light), 1.0);

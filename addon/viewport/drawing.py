@@ -14,14 +14,20 @@ import numpy as np
 
 from ...precompute.errors import DiffractionError
 from ..materials import material
-from . import items, lamps, looks
+from . import items, lamps, looks, surroundings
 from .data import blocks, orientation, sources
 from .data.batches import Meshes
+from .data.directions import Directions
 from .data.display import Display
 from .data.series import SeriesTextures
+from .data.sky import Skies
 from .data.textures import Tables
 from .looks import View
 from .manners import PLAIN, Manners
+from .surroundings import Surroundings
+
+#: Directions in which an image of the surroundings is looked up, by the points that stand for a wide lamp.
+SKY_POINTS = {1: 8, 4: 16, 16: 32}
 
 #: Views of different scenes or layers whose lists are kept.
 _LISTS = 4
@@ -34,7 +40,6 @@ class _Listing:
     version: int
     items: list[items.Item]
     lamps: np.ndarray
-    ambient: tuple[float, float, float]
 
 
 @dataclass(eq=False)
@@ -45,6 +50,8 @@ class Renderer:
     series: SeriesTextures = field(default_factory=SeriesTextures)
     meshes: Meshes = field(default_factory=Meshes)
     display: Display = field(default_factory=Display)
+    skies: Skies = field(default_factory=Skies)
+    directions: Directions = field(default_factory=Directions)
     #: What the user is to know; empty while all is well.
     message: str = ""
     #: Counts changes of the scene.
@@ -73,6 +80,8 @@ class Renderer:
         self.tables.clear()
         self.series.clear()
         self.display.clear()
+        self.skies.clear()
+        self.directions.clear()
         self._changed.clear()
         self.message, self._failed = "", None
         self.version += 1
@@ -91,6 +100,7 @@ class Renderer:
         skips_nodes: bool = False,
         loose_depth: bool = False,
         asks: Manners = PLAIN,
+        around: Surroundings | None = None,
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
 
@@ -112,6 +122,8 @@ class Renderer:
             Whether the framebuffer's depth was sampled elsewhere in the pixels, as EEVEE's is.
         asks
             What the view asks of whoever draws in it.
+        around
+            What surrounds the scene; None: its world.
         """
         attempt = (self.version, view)
         if self._failed == attempt:
@@ -119,7 +131,9 @@ class Renderer:
         try:
             skips = skips_nodes and view.surface == "ADD"
             listing = self._listing(depsgraph, visible, list_key, skips)
-            count = self._draw(listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks)
+            count = self._draw(
+                listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around
+            )
         except DiffractionError as error:
             self._fail(attempt, str(error))
             return 0
@@ -135,19 +149,24 @@ class Renderer:
             print(f"Diffraction: {message}")
         self.message, self._failed = message, attempt
 
-    def _draw(self, listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks) -> int:
+    def _draw(
+        self, listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around
+    ) -> int:
         import gpu
 
         self.message = ""
         if not listing.items:
             return 0
-        rows = listing.lamps
-        if view.lights == "STUDIO" or not len(rows):
+        around = around if around is not None else surroundings.of_world(depsgraph.scene.original.world)
+        # An operator can wait for what a drawing must not stop for.
+        sky = self.skies.texture(around.sky, wait=not through_display) if around.sky is not None else None
+        rows = listing.lamps if around.lamps else listing.lamps[:0]
+        if view.lights == "STUDIO" or (not len(rows) and around.sky is None and around.lamps):
             rows = lamps.studio_rows(view_matrix)
         exposure = depsgraph.scene.original.view_settings.exposure
         frame = blocks.Frame(
-            view_matrix, projection, rows, view.points, through_display, exposure, listing.ambient,
-            clip=asks.clip, border=asks.border,
+            view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
+            clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None,
         )  # fmt: skip
         view = replace(view, brightness=view.brightness * asks.see_through)
         shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
@@ -162,7 +181,7 @@ class Renderer:
             for item in listing.items:
                 if shader is None or item.material != bound:
                     bound = item.material
-                    shader = self._bind(bound, view, shared, any(listing.ambient))
+                    shader = self._bind(bound, view, shared, any(around.ambient), sky, wait=not through_display)
                     shader.uniform_block("df_frame", rows)
                     if through_display:
                         shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
@@ -180,7 +199,9 @@ class Renderer:
             gpu.state.depth_mask_set(state[2])
         return len(listing.items)
 
-    def _bind(self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool):
+    def _bind(
+        self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool, sky: Any, wait: bool
+    ):
         """The shader of a material, with all that it reads."""
         import gpu
 
@@ -188,12 +209,24 @@ class Renderer:
         table = self.tables.get(path)
         look = looks.surface(shaded, table.layout, table.info, view)
         flags = shared | look.flags(ambient)
+        directions = None
+        if sky is not None and view.method == "TABLE":
+            if look.environment:
+                directions = self.directions.texture(path, wait)
+            if directions is not None:
+                flags |= {"SKYLIT", f"SKY_{SKY_POINTS[view.points]}"}
+            if view.surface == "REPLACE":
+                flags |= {"SKYLIT"}
         shader = sources.surface(view.method, flags)
         shader.bind()
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
             shader.uniform_sampler("df_albedo", table.albedo)
+        if "SKYLIT" in flags:
+            shader.uniform_sampler("df_sky", sky)
+        if directions is not None:
+            shader.uniform_sampler("df_importance", directions)
         turned = orientation.angle_image(shaded)
         if turned is not None:
             shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
@@ -226,7 +259,6 @@ class Renderer:
                 version,
                 items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m))),
                 lamps.scene_rows(depsgraph, visible),
-                ambient(scene),
             )
             listing = self._listings[key] = made
             while len(self._listings) > _LISTS:
@@ -250,6 +282,7 @@ class Renderer:
         paths = {looks.table_path(m) for m in shown}
         self.tables.keep(paths)
         self.series.keep(paths)
+        self.directions.keep(paths)
         uids = {m.session_uid for m in shown}
         for key in [k for k in self._uniforms if k[0] == "surface" and k[1] not in uids]:
             del self._uniforms[key]
@@ -258,17 +291,3 @@ class Renderer:
 def _is_of_nodes(shaded: bpy.types.Material) -> bool:
     node = material.shader_node(shaded)
     return node is not None and node.bl_idname == "ShaderNodeGroup"
-
-
-def ambient(scene: bpy.types.Scene) -> tuple[float, float, float]:
-    """Radiance of a plain world, black for any other."""
-    world = scene.world
-    if world is None or world.node_tree is None:
-        return (0.0, 0.0, 0.0)
-    output = world.node_tree.get_output_node("ALL")
-    links = output.inputs["Surface"].links if output is not None else ()
-    node = links[0].from_node if links else None
-    if node is None or node.bl_idname != "ShaderNodeBackground" or node.inputs["Color"].links:
-        return (0.0, 0.0, 0.0)
-    strength = node.inputs["Strength"].default_value
-    return tuple(strength * c for c in tuple(node.inputs["Color"].default_value)[:3])

@@ -14,6 +14,7 @@ from mathutils import Matrix
 from ...precompute.errors import OutputError, ParameterError
 from ...precompute.files.atomic import atomic_path
 from ..gpu_context import NoGpu, ensure_gpu
+from . import surroundings
 from .drawing import Renderer
 from .looks import View
 from .manners import Manners, clip_planes
@@ -167,6 +168,7 @@ def render(
         light = np.zeros((height, width, 4), np.float32)
         try:
             with _look(space, shading):
+                around = surroundings.of_shading(scene, space.shading)
                 draw_scene(projection)
                 below = read(target)
             # EEVEE leaves no depth behind, and Workbench one that is not moved within the pixels.
@@ -183,7 +185,8 @@ def render(
                             visible=lambda ob: ob.visible_in_viewport_get(space),
                             list_key=1,
                             asks=asks,
-                            skips_nodes=shading != "SOLID",
+                            around=around,
+                            skips_nodes=shading != "SOLID" and around.lamps,
                         )  # fmt: skip
                     if renderer.message:
                         raise ParameterError(renderer.message)

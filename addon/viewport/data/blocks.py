@@ -16,6 +16,10 @@ DISPLAY_SIDE = 64
 DISPLAY_GAIN = 32.0
 DISPLAY_WHITE = 32.0
 
+#: Side of the finest level of an image of the surroundings, and how many levels there are: the last has four texels.
+SKY_SIDE = 512
+SKY_LEVELS = 9
+
 #: Side of the square that holds a table's albedos.
 ALBEDO_SIDE = 512
 
@@ -43,6 +47,8 @@ class Frame:
         ``(3,)`` radiance of the world, for the pigment.
     clip
         At most six planes (a, b, c, d) in world space; what lies behind one of them is not drawn.
+    sky
+        ``(4, 4)`` rows of an image of the surroundings, see `Sky`; None has none.
     border
         Left, bottom, right and top in pixels, outside of which nothing is drawn.
     """
@@ -56,10 +62,11 @@ class Frame:
     ambient: tuple[float, float, float] = (0.0, 0.0, 0.0)
     clip: tuple[tuple[float, float, float, float], ...] = ()
     border: tuple[float, float, float, float] | None = None
+    sky: np.ndarray | None = None
 
     def rows(self) -> np.ndarray:
-        """``(19 + 6 LAMPS_MAX, 4)``."""
-        rows = np.zeros((19 + 6 * LAMPS_MAX, 4), np.float32)
+        """``(23 + 6 LAMPS_MAX, 4)``."""
+        rows = np.zeros((23 + 6 * LAMPS_MAX, 4), np.float32)
         view, projection = np.asarray(self.view, float), np.asarray(self.projection, float)
         rows[0:4], rows[4:8] = view.T, projection.T
         to_world = np.linalg.inv(view)
@@ -76,9 +83,11 @@ class Frame:
         rows[12:18] = 0.0, 0.0, 0.0, 1.0  # hides nothing
         for row, plane in zip(rows[12:18], self.clip, strict=False):
             row[:] = plane
+        if self.sky is not None:
+            rows[19:23] = self.sky
         rows[18] = self.border if self.border is not None else 0.0
         if len(self.lamps):
-            rows[19 : 19 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
+            rows[23 : 23 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
         return rows
 
     def flags(self) -> set[str]:

@@ -5,14 +5,17 @@ from __future__ import annotations
 
 from functools import cache
 
+from ....precompute.table import importance
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
+from .blocks import SKY_LEVELS, SKY_SIDE
 
 #: Uniform blocks, vec4 and mat4 only, so that every back end lays them out alike. Filled in `blocks`.
 _TYPES = """
 struct DiffractionLamp { vec4 place; vec4 half_u; vec4 half_v; vec4 normal; vec4 colour; vec4 extra; };
 struct DiffractionFrame {
-  mat4 view; mat4 projection; vec4 viewer; vec4 counts; vec4 display; vec4 ambient; vec4 clip[6]; vec4 border;
+  mat4 view; mat4 projection; vec4 viewer; vec4 counts; vec4 display; vec4 ambient; vec4 clip[6];
+  vec4 border; vec4 sky[4];
   DiffractionLamp lamps[LAMPS_MAX];
 };
 struct DiffractionSurface {
@@ -25,11 +28,21 @@ struct DiffractionSeries { vec4 bins; vec4 window; vec4 loops; vec4 spectrum[WAV
 #: Wavelengths of the reference method: 380-780 nm in steps of 5 nm are 81.
 WAVELENGTHS_MAX = 96
 
+#: Numbers of the densities of directions.
+_DENSITIES = {
+    "N_VIEWS": importance.N_VIEWS,
+    "VIEW_END": importance.VIEW_END,
+    "AZIMUTHS_STEP": importance.AZIMUTHS_STEP,
+    "AZIMUTHS_MAX": importance.AZIMUTHS_MAX,
+    "N_R": importance.N_R,
+    "N_PHI": importance.N_PHI,
+}
+
 METHODS = ("TABLE", "FLSS")
 
 #: What a shader can be made to do besides; a variant has the code of those that it needs and no other: software
 #: renderers, and GPUs where neighbours differ, run every branch. LAMPS_0 to LAMPS_16 say how many there are: loops of
-#: known length.
+#: known length. SKY_8 to SKY_32: directions in which an image of the surroundings is looked up.
 FLAGS = (
     "LOOSE_DEPTH",  # the depth buffer's points lie elsewhere in their pixels
     "BOUNDED",  # by clipping planes or a border
@@ -41,6 +54,7 @@ FLAGS = (
     "DIELECTRIC",
     "CONDUCTOR",
     "AMBIENT",  # a plain world
+    "SKYLIT",  # an image surrounds the scene
     "SUNS",
     "BALLS",
     "SPOTS",
@@ -58,8 +72,8 @@ def _begin(method: str, flags: frozenset[str]):
 
     info = gpu.types.GPUShaderCreateInfo()
     for name in sorted(flags):
-        if name.startswith("LAMPS_"):
-            info.define("LAMPS", name.removeprefix("LAMPS_"))
+        if name.startswith(("LAMPS_", "SKY_")):
+            info.define(*name.split("_"))
         else:
             info.define(name, "1")
     info.define("LAMPS_MAX", str(LAMPS_MAX))
@@ -95,6 +109,12 @@ def surface(method: str, flags: frozenset[str]):
         info.sampler(2, "FLOAT_3D", "df_display")
     if "TURNED" in flags:
         info.sampler(4, "FLOAT_2D", "df_angle")
+    if "SKYLIT" in flags:
+        info.sampler(5, "FLOAT_2D", "df_sky")
+        info.define("SKY_SIDE", f"{SKY_SIDE}.0")
+        info.define("SKY_LEVELS", f"{SKY_LEVELS}.0")
+    if any(name.startswith("SKY_") for name in flags):
+        _add_densities(info)
     info.push_constant("MAT4", "df_model")
     for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
         if name != "uv" or "TURNED" in flags:
@@ -107,7 +127,7 @@ def surface(method: str, flags: frozenset[str]):
         between.smooth("VEC2", "world_uv")
     info.vertex_out(between)
     info.vertex_source(_text("surface_vertex.glsl"))
-    info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "display.glsl", "surface_fragment.glsl"))
+    info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "sky.glsl", "display.glsl", "surface_fragment.glsl"))
     return gpu.shader.create_from_info(info)
 
 
@@ -132,6 +152,12 @@ def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: st
     info.vertex_source(_text("map_vertex.glsl"))
     info.fragment_source(text or _text(*_BRDF[method], "map_fragment.glsl"))
     return gpu.shader.create_from_info(info)
+
+
+def _add_densities(info) -> None:
+    info.sampler(6, "FLOAT_2D", "df_importance")
+    for name, value in _DENSITIES.items():
+        info.define(f"IMPORTANCE_{name}", f"{float(value)}")
 
 
 def free() -> None:
