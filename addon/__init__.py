@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Everything that imports bpy: operators, panels, properties, material, lamps."""
 
+from types import ModuleType
+
 #: Whether the classes are registered. Blender disables its extensions once more after Python's own exit functions.
 _registered = False
 
 
-def _parts():
+def _parts() -> tuple[ModuleType, ...]:
     from . import operators, panels, preferences, properties, viewport
     from .materials import file_handlers, handlers
     from .tables import estimates

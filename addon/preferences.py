@@ -79,14 +79,14 @@ class DIFFRACTION_OT_clear_cache(bpy.types.Operator):
     bl_label = "Clear Cache"
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         cache = _held()
         if cache is None or not cache.size_bytes():
             cls.poll_message_set("The cache is empty")
             return False
         return True
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         cache = _held()
         if cache is not None:
             cache.clear()
@@ -118,7 +118,7 @@ class DIFFRACTION_AP_preferences(bpy.types.AddonPreferences):
 
     scan_folder: bpy.props.StringProperty(options={"HIDDEN"}, description="Where a scan was imported from last")
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         """A device, a switch, a limit, a button."""
         layout = self.layout
         layout.use_property_split = True

@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import Any
 
 import bpy
+import numpy as np
 from bpy.props import (
     BoolProperty,
     EnumProperty,
@@ -18,6 +20,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..precompute.errors import DiffractionError
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
 from . import preset_properties
 from .tables import light_file
@@ -195,6 +198,45 @@ def illuminant_data() -> Any:
     )
 
 
+def substrate() -> Any:
+    """What the surface is made of."""
+    return StringProperty(
+        name="Substrate",
+        description="What the surface is made of: a material by name (Au, Al, Ti, keratin ...), a refractive index, n,k"
+        " or a file. Its reflectance goes into the table; empty leaves it to the material's Fresnel",
+    )
+
+
+def films() -> Any:
+    """Thin films on the substrate."""
+    return StringProperty(
+        name="Films",
+        description="Thin films, outermost first, with blanks between: SiO2:250 is 250 nm of silica,"
+        " (chitin:100,melanin:80)x12 repeats a group",
+    )
+
+
+def lacquer() -> Any:
+    """A clear layer over the relief."""
+    return StringProperty(
+        name="Under Lacquer",
+        description="A clear layer over the relief, by name or refractive index: polycarbonate of a disc, varnish on"
+        " foil; empty is none",
+    )
+
+
+def energy() -> Any:
+    """How energy is conserved."""
+    return EnumProperty(
+        name="Energy",
+        description="How no direction sends out more light than came in",
+        items=(
+            ("raw", "Divide", "Renderers divide by albedos that hold at every wavelength"),
+            ("capped", "Cap Each Wavelength", "Each wavelength is also cut by its own excess inside the table"),
+        ),
+    )
+
+
 def limit_mb() -> Any:
     """Largest table."""
     return IntProperty(
@@ -277,6 +319,26 @@ DIFFRACTION_PG_presets = type(
 )
 
 
+def _seen_straight_on(self: Any) -> tuple[float, float, float]:
+    """A function with a name: Blender keeps none of its own reference to it."""
+    return _stack_colour(self.substrate, self.films, self.lacquer)
+
+
+@lru_cache(maxsize=32)
+def _stack_colour(substrate: str, films: str, lacquer: str) -> tuple[float, float, float]:
+    from ..precompute.evaluate.stack_colour import stack_rgb
+    from .tables.bake_settings import stuff
+
+    try:
+        made = stuff(substrate, films, lacquer)
+    except DiffractionError:
+        return 0.0, 0.0, 0.0
+    if made["stack"] is None:
+        return 1.0, 1.0, 1.0
+    red, green, blue = stack_rgb(made["stack"], np.ones(()), outer=made["lacquer"])
+    return float(red), float(green), float(blue)
+
+
 class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     """State of the panel, saved with the scene."""
 
@@ -310,6 +372,17 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     illuminant: illuminant()
     illuminant_file: illuminant_file()
     illuminant_data: illuminant_data()
+    substrate: substrate()
+    films: films()
+    lacquer: lacquer()
+    energy: energy()
+    stack_colour: FloatVectorProperty(
+        name="Seen Straight On",
+        description="Colour of a flat mirror of these films in daylight",
+        subtype="COLOR",
+        size=3,
+        get=_seen_straight_on,
+    )
     limit_mb: limit_mb()
 
     implementation: EnumProperty(
@@ -338,7 +411,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     )  # fmt: skip
 
     preset: EnumProperty(
-        name="Preset", description="A structure that needs no microscope", items=preset_properties.ITEMS
+        name="Preset", description="A structure that needs no microscope", items=preset_properties.ITEMS, default="cd"
     )
     preset_size_um: preset_size()
     preset_pixels: preset_pixels()
@@ -363,6 +436,7 @@ def prepare() -> None:
         name="Preset",
         description="A structure that needs no microscope",
         items=preset_properties.pictured_items(),
+        default="cd",  # its colours are seen on any object under any lamp
     )
 
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 #: Name of EEVEE among the render engines.
@@ -47,7 +49,7 @@ def give_nodes(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTre
     return block.node_tree
 
 
-def smooth_lookups(texture) -> None:
+def smooth_lookups(texture: Any) -> None:
     """Linear lookups that repeat the border, which textures of 4.5 have by themselves and cannot be told."""
     if hasattr(texture, "filter_mode"):
         texture.filter_mode(True)

@@ -7,17 +7,26 @@ import math
 from dataclasses import dataclass, fields
 from typing import Any
 
-from .constants import TABLE_LIMIT_BYTES
+import numpy as np
+
+from .constants import TABLE_LIMIT_BYTES, W_MAX, WAVELENGTH_MIN_M
 from .errors import ParameterError
 from .light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, to_json
+from .stack import Material, Stack, material_of, stack_of
+from .stack import to_json as stack_to_json
 
 ENSEMBLES = ("average", "single", "periodic")
 SERIES = ("nodes", "chebyshev", "taylor")
 LEVELS = ("none", "plane", "poly2")
 ROW_AXES = ("none", "x", "y")
 TILINGS = ("none", "blend", "period")
+ENERGY = ("raw", "capped")
 
-__all__ = ["ENSEMBLES", "ILLUMINANTS", "LEVELS", "ROW_AXES", "SERIES", "TILINGS", "BakeParameters"]
+#: Where the index of a lacquer is taken for directions: the sodium line (metres). And the indices that it may have.
+LACQUER_WAVELENGTH_M = 589.3e-9
+_LACQUER_LEAST, _LACQUER_MOST, _LACQUER_CLEAR = 1.0, 2.6, 0.01
+
+__all__ = ["ENERGY", "ENSEMBLES", "ILLUMINANTS", "LEVELS", "ROW_AXES", "SERIES", "TILINGS", "BakeParameters"]
 
 
 @dataclass(frozen=True)
@@ -58,6 +67,14 @@ class BakeParameters:
         samples (not its name) then decide the table.
     detail
         Resolution of the table relative to the default 1.0; texels grow with its cube.
+    stack
+        The surface's stuff, a `precompute.stack.Stack` or what a sidecar holds of it: its reflectance goes into the
+        table. None leaves it to the renderer.
+    lacquer
+        A clear layer over the relief, a `precompute.stack.Material` or what `material_of` takes; None is air.
+    energy
+        ``raw``: the table is the Kirchhoff integral, and renderers divide by albedos that hold at every wavelength;
+        ``capped``: each wavelength is also cut by its own excess inside the table.
     limit_bytes
         Largest table that may be made, in bytes of texels as a renderer loads them.
 
@@ -80,6 +97,9 @@ class BakeParameters:
     tile: str = "none"
     illuminant: Illuminant = "D65"
     detail: float = 1.0
+    stack: Stack | None = None
+    lacquer: Material | None = None
+    energy: str = "raw"
     limit_bytes: int = TABLE_LIMIT_BYTES
 
     def __post_init__(self) -> None:
@@ -91,10 +111,25 @@ class BakeParameters:
             ("level", self.level, LEVELS),
             ("axis of row alignment", self.align_rows, ROW_AXES),
             ("tiling", self.tile, TILINGS),
+            ("energy model", self.energy, ENERGY),
         ):
             if value not in choices:
                 raise ParameterError(f"The {name} {value!r} is unknown; choose one of {', '.join(choices)}.")
         object.__setattr__(self, "illuminant", illuminant_of(self.illuminant))
+        object.__setattr__(self, "stack", stack_of(self.stack))
+        if self.lacquer is not None:
+            object.__setattr__(self, "lacquer", material_of(self.lacquer))
+            index = self.lacquer.index(np.array([LACQUER_WAVELENGTH_M]))[0]
+            if not (_LACQUER_LEAST <= index.real <= _LACQUER_MOST and index.imag <= _LACQUER_CLEAR):
+                raise ParameterError(
+                    f"The lacquer '{self.lacquer.name}' has the index {index.real:.4g} + {index.imag:.2g}i; a clear"
+                    f" layer has n from {_LACQUER_LEAST:g} to {_LACQUER_MOST:g} and no k, for instance PMMA or 1.5."
+                )
+        if self.series != "nodes" and not (self.stack is None and self.lacquer is None):
+            raise ParameterError(
+                f"The series '{self.series}' is there for the thesis's own method, which knows neither films nor"
+                " lacquer; choose the series 'nodes'."
+            )
         object.__setattr__(self, "replicas", tuple(int(n) for n in self.replicas))
         if len(self.replicas) != 2 or min(self.replicas) < 1:
             raise ParameterError(f"The copies {self.replicas} make no surface; give two whole numbers of at least 1.")
@@ -118,6 +153,21 @@ class BakeParameters:
         if self.limit_bytes <= 0:
             raise ParameterError("The size limit of a table must be positive.")
 
+    @property
+    def index(self) -> float:
+        """Refractive index of what lies over the relief, for directions: 1 for air."""
+        return 1.0 if self.lacquer is None else float(self.lacquer.index(np.array([LACQUER_WAVELENGTH_M]))[0].real)
+
+    @property
+    def w_max(self) -> float:
+        """Largest ``|w|``: 2, or 2 n under a lacquer."""
+        return W_MAX * self.index
+
+    @property
+    def kappa_max(self) -> float:
+        """Largest kappa = k ``|w|`` that visible light reaches, 1/m."""
+        return 2.0 * math.pi * self.w_max / WAVELENGTH_MIN_M
+
     def to_dict(self) -> dict[str, Any]:
         """What decides the table's content, for the sidecar (the limit does not)."""
         data = {each.name: getattr(self, each.name) for each in fields(self)}
@@ -125,4 +175,10 @@ class BakeParameters:
         data["illuminant"] = to_json(self.illuminant, name=False)
         if self.ensemble != "periodic":
             del data["replicas"]
+        # What is not there leaves no trace: such tables have the keys that they would have without the choice.
+        data["stack"] = stack_to_json(self.stack)
+        data["lacquer"] = None if self.lacquer is None else self.lacquer.to_json()
+        for name in ("stack", "lacquer"):
+            if data[name] is None:
+                del data[name]
         return data

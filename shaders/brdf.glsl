@@ -20,6 +20,33 @@ vec3 fresnel_conductor(vec3 n, vec3 k, float cos_half)
     return 0.5 * (rs + rp);
 }
 
+// Reflectance of a face to a clear medium of index ior for unpolarised light, exact (Born & Wolf, 1.5.2).
+float fresnel_exact(float ior, float cosine)
+{
+    float c = clamp(cosine, 1e-7, 1.0), inside = sqrt(max(ior * ior - 1.0 + c * c, 0.0));
+    float s = (c - inside) / (c + inside), p = (ior * ior * c - inside) / (ior * ior * c + inside);
+    return 0.5 * (s * s + p * p);
+}
+
+// A direction inside a clear layer, still pointing outwards.
+vec3 refracted(vec3 outside, float ior)
+{
+    vec2 inside = outside.xy / ior;
+    return vec3(inside, sqrt(max(1.0 - dot(inside, inside), 0.0)));
+}
+
+// |w| of T: under a lacquer with the cosines inside.
+float path_w(vec3 wi, vec3 wr)
+{
+#ifdef LACQUER
+    float n = df_surface.kept[0].w;
+    return n * (refracted(wi, n).z + refracted(wr, n).z);
+#else
+    return wi.z + wr.z;
+#endif
+}
+
+// What the table holds already is 1 here.
 vec3 fresnel(float cos_half)
 {
 #if defined(DIELECTRIC)
@@ -28,6 +55,18 @@ vec3 fresnel(float cos_half)
     return fresnel_conductor(df_surface.conductor_n.rgb, df_surface.conductor_k.rgb, cos_half);
 #else
     return vec3(1.0);
+#endif
+}
+
+// What the surface keeps from the pigment below, towards the viewer.
+vec3 kept_from_below(float cos_r)
+{
+#ifdef INSIDE
+    float place = acos(clamp(cos_r, 0.0, 1.0)) * (2.0 / PI) * float(KEPT - 1);
+    int lower = min(int(place), KEPT - 2);
+    return mix(df_surface.kept[lower].rgb, df_surface.kept[lower + 1].rgb, place - float(lower));
+#else
+    return fresnel(cos_r);
 #endif
 }
 
@@ -46,8 +85,16 @@ vec3 into_gamut(vec3 rgb, float luminance)
 // 1 / cos_i then drops out. mirror is 1 + wi.wr.
 vec3 f_cos_of(vec3 transform_xyz, vec3 wi, vec3 wr, float mirror, float albedo_r)
 {
+#ifdef LACQUER
+    float n = df_surface.kept[0].w;
+    vec3 li = refracted(wi, n), lr = refracted(wr, n);
+    float sum = li.z + lr.z, inside = 1.0 + dot(li, lr);
+    float through = (1.0 - fresnel_exact(n, wi.z)) * (1.0 - fresnel_exact(n, wr.z));
+    float factor = through * inside * inside * wi.z / (li.z * lr.z * sum * sum);
+#else
     float w_abs = wi.z + wr.z;
     float factor = mirror * mirror / (wr.z * w_abs * w_abs);
+#endif
 #ifdef CONSERVE
     factor /= max(1.0, max(albedo_r, table_albedo(wi)));
 #endif
@@ -60,7 +107,7 @@ vec3 f_cos_of(vec3 transform_xyz, vec3 wi, vec3 wr, float mirror, float albedo_r
 vec3 diffraction_f_cos(vec3 wi, vec3 wr, float mirror, float albedo_r)
 {
     vec2 uv = -(wi.xy + wr.xy);
-    float w_abs = wi.z + wr.z;
+    float w_abs = path_w(wi, wr);
 #ifdef METHOD_FLSS
     return f_cos_of(flss_transform(uv, w_abs), wi, wr, mirror, albedo_r);
 #else

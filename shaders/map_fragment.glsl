@@ -12,7 +12,7 @@ void main()
 #ifdef METHOD_FLSS
     vec3 xyz = flss_transform(-(wi.xy + wr.xy), wi.z + wr.z);
 #else
-    vec3 xyz = table_transform(-(wi.xy + wr.xy), wi.z + wr.z);
+    vec3 xyz = table_transform(-(wi.xy + wr.xy), path_w(wi, wr));
 #endif
     if (df_light.w > 0.5) {
         out_colour = vec4(xyz, 1.0);

@@ -96,7 +96,7 @@ void main()
     around += sky_radiance(front ? n : -n, PI);
 #endif
     pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + around);
-    light += (vec3(1.0) - fresnel(abs(cos_r))) * pigment;
+    light += (vec3(1.0) - kept_from_below(abs(cos_r))) * pigment;
 #endif
     out_colour = vec4(displayed(light), 1.0);
 }

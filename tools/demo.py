@@ -21,7 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # a script: its fo
 
 from tools.build.build_extension import build
 from tools.build.check_manifest import main as check_manifest
-from tools.build.fetch_wheels import ROOT, chosen_platforms
+from tools.build.fetch_wheels import ROOT, chosen_platforms, chosen_pythons
 
 MODULE = "bl_ext.user_default.diffraction_shader"
 
@@ -102,7 +102,7 @@ def run(arguments, out, user):
     with step("Building the extension"):
         if check_manifest():
             sys.exit(1)
-        (path,) = build(chosen_platforms("current"))
+        (path,) = build(chosen_platforms("current"), chosen_pythons("current"))
         print(f"    {path.relative_to(ROOT)}, {path.stat().st_size / 1e6:.1f} MB")
     scan = arguments.scan
     if scan is None:

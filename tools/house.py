@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[1]
 FLOORS = {
     "precompute": (
         ("constants", "errors", "faces", "old_names"),
-        ("light", "files"),
+        ("light", "files", "stack"),
         ("parameters",),
         ("scan",),
         ("readers", "presets", "table", "paint"),
@@ -28,7 +28,7 @@ FLOORS = {
     "addon": (
         ("colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures", "renderers"),
-        ("tables",),
+        ("tables", "lights"),
         ("materials",),
         ("viewport",),
         ("assets", "preset_properties"),

@@ -19,10 +19,13 @@ class Running:
         What it is doing.
     fraction
         How much is done, 0 to 1.
+    owner
+        The operator at work, by its name in ``bpy.ops``; its button gives way to the progress.
     """
 
     text: str
     fraction: float
+    owner: str = ""
 
 
 _now: Running | None = None
@@ -33,10 +36,10 @@ def running() -> Running | None:
     return _now
 
 
-def show(text: str, fraction: float) -> None:
+def show(text: str, fraction: float, owner: str = "") -> None:
     """Something is being computed."""
     global _now
-    _now = Running(text, min(max(fraction, 0.0), 1.0))
+    _now = Running(text, min(max(fraction, 0.0), 1.0), owner)
 
 
 def clear() -> None:

@@ -48,7 +48,7 @@ class Threaded(_Operator):
         """Write the results into the scene and return what to tell."""
         raise NotImplementedError
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         """Blocking, for scripts."""
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)
@@ -65,7 +65,7 @@ class Threaded(_Operator):
             manager.progress_end()
             self._close()
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """In a thread, with progress in panel and status bar."""
         try:
             self._jobs, self._results = self.jobs(context), []
@@ -77,7 +77,7 @@ class Threaded(_Operator):
         self._show(context)
         return {"RUNNING_MODAL"}
 
-    def modal(self, context, event):
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         job = self._jobs[len(self._results)]
         if event.type == "ESC" and event.value == "PRESS":
             job.cancel()
@@ -103,7 +103,7 @@ class Threaded(_Operator):
             self._clear(context)
             return self._fail(error)
 
-    def cancel(self, context):
+    def cancel(self, context: bpy.types.Context) -> None:
         """Blender closes, a file is loaded, or a file browser ends before anything began."""
         if not self._jobs:
             return
@@ -111,30 +111,30 @@ class Threaded(_Operator):
             job.cancel()
         self._clear(context)
 
-    def _tell(self, text: str):
+    def _tell(self, text: str) -> set[str]:
         if text:
             self.report({"INFO"}, text)
         return {"FINISHED"}
 
-    def _fail(self, error):
+    def _fail(self, error: BaseException) -> set[str]:
         text = str(error) or "There is not enough memory for this; take a smaller scan or a smaller table."
         self.report({"ERROR"}, in_window(text))
         return {"CANCELLED"}
 
-    def _show(self, context):
+    def _show(self, context: bpy.types.Context) -> None:
         done, count = len(self._results), len(self._jobs)
         job = self._jobs[done]
         text = f"{self.title}: {job.stage}" + (f" ({done + 1} of {count})" if count > 1 else "")
-        progress.show(text, (done + job.fraction) / count)
+        progress.show(text, (done + job.fraction) / count, getattr(type(self), "bl_idname", ""))
         if context.workspace is not None:
             context.workspace.status_text_set(_status)
-        redraw(context)
+        redraw_sidebars(context)
 
-    def _close(self):
+    def _close(self) -> None:
         for job in self._jobs:
             job.close()
 
-    def _clear(self, context):
+    def _clear(self, context: bpy.types.Context) -> None:
         self._close()
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
@@ -145,7 +145,7 @@ class Threaded(_Operator):
         redraw(context)
 
 
-def _status(header, context) -> None:
+def _status(header: Any, context: bpy.types.Context) -> None:
     """The status bar while a job runs."""
     now = progress.running()
     header.layout.label(text="Stop", icon="EVENT_ESC")
@@ -155,7 +155,16 @@ def _status(header, context) -> None:
         bar.progress(factor=now.fraction, text=now.text)
 
 
-def redraw(context) -> None:
+def redraw_sidebars(context: bpy.types.Context) -> None:
+    """Let the panels show how far a job is; the views beside them, which may be costly, stay as they are."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            for region in area.regions if area.type == "VIEW_3D" else ():
+                if region.type == "UI":
+                    region.tag_redraw()
+
+
+def redraw(context: bpy.types.Context) -> None:
     """Let all panels and image editors show what changed."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.app.handlers import persistent
@@ -13,15 +14,14 @@ from . import refresh, travel
 
 
 @persistent
-def _before_save(*arguments) -> None:
+def _before_save(*arguments: Any) -> None:
     """The file gets the names that will be right in its new folder."""
     target = next((a for a in arguments if isinstance(a, str) and a), bpy.data.filepath)
     if not target:
         return
     folder = Path(bpy.path.abspath(target)).parent
-    for material in bpy.data.materials:
-        if travel.TABLE in material:
-            travel.sync(material, folder)
+    for each in travel.owners():
+        travel.sync(each, folder)
     for scene in bpy.data.scenes:
         state = scene.diffraction
         for name in ("scan_path", "table_path", "illuminant_file"):
@@ -48,7 +48,7 @@ def _from(path: Path, folder: Path, before: str) -> str:
 
 
 @persistent
-def _after_save(*_) -> None:
+def _after_save(*_: object) -> None:
     """Back to what is right here and now (a copy may have been saved elsewhere)."""
     travel.sync_all()
     folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
@@ -63,14 +63,14 @@ def _after_save(*_) -> None:
 
 
 @persistent
-def _loaded(*_) -> None:
+def _loaded(*_: object) -> None:
     travel.sync_all()
-    for problem in refresh.bring_up_to_date(bpy.context.scene):
+    for problem in refresh.bring_up_to_date():
         print(f"Diffraction: {problem}; the panel Diffraction > Material > Files bakes it again.")
 
 
 @persistent
-def _imported(*_) -> None:
+def _imported(*_: object) -> None:
     """After append, link and paste."""
     travel.sync_all()
 

@@ -10,6 +10,10 @@ import bpy
 TANGENT, BITANGENT = "Diffraction Tangent", "Diffraction Bitangent"
 HANDEDNESS = "Diffraction Handedness"
 ATTRIBUTE, ANGLE_IMAGE = "Diffraction Attribute", "Diffraction Angle Image"
+ANGLE = "Diffraction Angle"
+
+#: Nodes that a material's orientation is made of.
+NAMES = {TANGENT, BITANGENT, HANDEDNESS, ATTRIBUTE, ANGLE_IMAGE, ANGLE}
 
 #: Rotation (radians) that makes the tangent of `radial_frame` point outwards.
 RADIAL_TURN = -0.5 * math.pi
@@ -103,7 +107,7 @@ def angle_image(
 ) -> bpy.types.NodeSocket:
     """Rotation from an image: black to white is one whole turn, counted from ``turn`` (radians)."""
     texture, scale = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeMath")
-    texture.name, scale.name = ANGLE_IMAGE, "Diffraction Angle"
+    texture.name, scale.name = ANGLE_IMAGE, ANGLE
     texture.image = image
     texture.interpolation = "Closest"  # between white and black lies a whole turn, not half of one
     scale.operation = "MULTIPLY_ADD"

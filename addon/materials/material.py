@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The material: node trees that render a spectral table."""
+"""The material: it has a node *Diffraction*, whose group (`node.group`) renders a spectral table."""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -12,24 +10,14 @@ from typing import Any, TypeGuard
 import bpy
 
 from ...precompute.errors import ParameterError, TableError
-from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
-from ...precompute.light.illuminant import to_json
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import SpectralTable, read_sidecar
 from .. import colour_spaces, paths
-from ..colour_spaces import working_space
 from ..versions import give_nodes, tells_mirrored_uv
-from . import frame, lights, nodes_twin, osl, script_node, setup, travel
-
-#: Name of the node that holds a material's diffraction.
-NODE = "Diffraction"
-
-#: Custom property of a material of ours: path of its table.
-TABLE_KEY = "diffraction_table"
-
-#: Name of the second output node of materials without OSL.
-EEVEE_OUTPUT = "EEVEE Output"
+from . import frame, osl, pigment, setup, travel
+from .node import group, keys
+from .node.group import NODE
 
 #: Sockets that an artist turns while looking.
 LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Environment", "DiffuseLimit", "Cone")
@@ -46,7 +34,7 @@ class Settings:
     ----------
     implementation
         ``OSL`` (Cycles on CPU and OptiX; lamps and environment) or ``NODES`` (Cycles on any device and
-        EEVEE; up to 8 lamps by their middle, no environment; packed into the .blend).
+        EEVEE; lamps by their middle, no environment; packed into the .blend).
     fresnel
         ``NONE`` (R = 1), ``DIELECTRIC`` (Schlick) or ``CONDUCTOR``.
     ior
@@ -87,22 +75,26 @@ class Settings:
 
 def is_ours(material: bpy.types.Material | None) -> TypeGuard[bpy.types.Material]:
     """Whether a material renders a table."""
-    return material is not None and TABLE_KEY in material
+    return material is not None and group.owner(material) is not None
 
 
 def any_ours() -> bool:
     """Whether the file holds a material of ours; cheap enough for every update."""
-    return any(TABLE_KEY in material for material in bpy.data.materials)
+    return any(keys.TABLE in tree for tree in bpy.data.node_groups) or any(keys.TABLE in m for m in bpy.data.materials)
 
 
 def shader_node(material: bpy.types.Material) -> Any:
-    """The node of a material that holds the sockets of the diffraction; None where there is none."""
-    return material.node_tree.nodes.get(NODE) if material.node_tree else None
+    """The node of a material that holds the sockets of the diffraction."""
+    node = group.find(material.node_tree)
+    if node is None and keys.TABLE in material and material.node_tree is not None:
+        return material.node_tree.nodes.get(NODE)
+    return node
 
 
 def table_path(material: bpy.types.Material) -> Path:
     """Absolute path of a material's table."""
-    return paths.absolute(material[TABLE_KEY], material.library)
+    known = group.owner(material)
+    return paths.absolute(known[keys.TABLE], known.library)
 
 
 def atlas_image(path: Path) -> bpy.types.Image:
@@ -143,10 +135,11 @@ def importance_image(path: Path, atlas_sha256: str) -> tuple[bpy.types.Image, fl
     return atlas_image(target), origin[1]
 
 
-def apply(
-    material: bpy.types.Material, table: str | Path, settings: Settings, lamps: Sequence[lights.LampObject]
-) -> bpy.types.Material:
+def apply(material: bpy.types.Material, table: str | Path, settings: Settings) -> bpy.types.Material:
     """Make a material diffract: a fresh one, one with a shader of its own (kept underneath), or one of ours.
+
+    Of one of ours that has another table or implementation the node stays with its values, links, keys and drivers,
+    and gets another group. Where the node's output is in use already, it stays wired as it is.
 
     Parameters
     ----------
@@ -156,8 +149,45 @@ def apply(
         Path of the table's EXR.
     settings
         The artist's choice.
-    lamps
-        Lamp objects to follow.
+
+    Raises
+    ------
+    TableError
+        If the table is missing or of another version.
+    """
+    tree = table_group(table, settings)
+    give_nodes(material)
+    node = shader_node(material)
+    if node is None or node.bl_idname != "ShaderNodeGroup":
+        node = material.node_tree.nodes.new("ShaderNodeGroup")
+        node.name = node.label = NODE
+        node.width = 200.0
+    node.node_tree = tree
+    _connect(node, settings)
+    set_settings(node, settings)
+    _hide_what_is_inside(node, table)
+    setup.prepare_material(material)
+    _colour_solid_view(material, node)
+    return material
+
+
+def _colour_solid_view(material: bpy.types.Material, node: bpy.types.Node) -> None:
+    """Solid view shows the pigment, not Blender's light grey, over which no structural colour is seen; a colour that
+    somebody chose stays."""
+    colour = pigment.colour_of(node.inputs["Base"])
+    if colour is not None and all(abs(c - 0.8) < 1e-6 for c in tuple(material.diffuse_color)[:3]):
+        material.diffuse_color = (*colour, material.diffuse_color[3])
+
+
+def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
+    """The node group of a table, for a node of one's own: ``node.node_tree = table_group(...)``.
+
+    Parameters
+    ----------
+    table
+        Path of the table's EXR.
+    settings
+        Of these the implementation, and for ``NODES`` Fresnel and conservation of energy, decide the group.
 
     Raises
     ------
@@ -168,37 +198,41 @@ def apply(
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
-    layout = TableLayout.from_dict(sidecar["layout"])
     image = atlas_image(path)
-    give_nodes(material)
+    directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
+    if settings.implementation == "NODES":
+        for each in (image, directions):
+            if each.packed_file is None:
+                each.pack()
+    tree = group.build(
+        path.stem, settings.implementation, (image, directions), sidecar, settings.fresnel, settings.conserve_energy,
+        albedo_free,
+    )  # fmt: skip
+    travel.note_scene_recipe(tree)
+    travel.sync(tree)
+    return tree
 
-    directions = None
-    albedo_max = float(sidecar["albedo_max"])
-    kind = "ShaderNodeScript" if settings.implementation == "OSL" else "ShaderNodeGroup"
-    node = _place_node(material, kind)
-    if settings.implementation == "OSL":
-        directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
-        script_node.fill(node, _source_text(path.stem, osl.source(layout, albedo_max, albedo_free=albedo_free)))
-        node.inputs["Atlas"].default_value = image.filepath
-        node.inputs["Importance"].default_value = directions.filepath
-    else:
-        image.pack()
-        node.node_tree = nodes_twin.build(
-            material.name, image, layout, albedo_max, settings.fresnel, settings.conserve_energy, lamps
-        )
-    node.label = f"Diffraction: {path.stem}"
-    _connect(material, node, settings)
-    set_settings(node, settings)
-    light = table_light(sidecar["colour"])
-    set_working_space(node, light)
-    lights.bind(node, lamps)
 
-    material[TABLE_KEY] = image.filepath
-    travel.attach(material, image, directions, sidecar["atlas"]["sha256"])
-    travel.sync(material)
-    material["diffraction_illuminant"] = light if isinstance(light, str) else json.dumps(to_json(light))
-    setup.prepare_material(material)
-    return material
+def set_table(material: bpy.types.Material, table: str | Path) -> None:
+    """Let a material of ours render another table, or its own that was baked anew; all else stays as it is.
+
+    Raises
+    ------
+    TableError
+        If the table is missing or of another version.
+    """
+    tree = table_group(table, settings_of(material))
+    shader_node(material).node_tree = tree
+    _hide_what_is_inside(shader_node(material), table)
+
+
+def _hide_what_is_inside(node: Any, table: str | Path) -> None:
+    """Sockets that say what the table holds already (its stack, its lacquer), or what it has not, are not shown."""
+    sidecar = read_sidecar(paths.absolute(str(table)).with_suffix(".exr"))
+    layout = TableLayout.from_dict(sidecar["layout"])
+    for name in ("Fresnel", "IOR", "ConductorN", "ConductorK"):
+        node.inputs[name].hide = layout.holds_reflectance
+    node.inputs["LacquerRoughness"].hide = layout.index == 1.0
 
 
 def set_settings(node: bpy.types.Node, settings: Settings) -> None:
@@ -210,21 +244,11 @@ def set_settings(node: bpy.types.Node, settings: Settings) -> None:
     node.inputs["Environment"].default_value = settings.environment
 
 
-def set_working_space(node: bpy.types.Node, illuminant: Any) -> None:
-    """Write the matrix from XYZ to the working space of the file into the sockets.
-
-    ``illuminant`` is the sidecar's entry, or its JSON text.
-    """
-    matrix = xyz_to_rgb_matrix(working_space(), illuminant)
-    for name, row in zip(("ToRed", "ToGreen", "ToBlue"), matrix, strict=True):
-        node.inputs[name].default_value = [float(x) for x in row]
-
-
 def settings_of(material: bpy.types.Material) -> Settings:
     """The artist's choice, read back from the sockets."""
     inputs = shader_node(material).inputs
     names = {value: name for name, value in osl.FRESNEL.items()}
-    nodes = material.node_tree.nodes
+    nodes = shader_node(material).id_data.nodes
     tangent, picture = nodes.get(frame.TANGENT), nodes.get(frame.ANGLE_IMAGE)
     attribute = nodes.get(frame.ATTRIBUTE)
     orientation, turn = "UV", inputs["Rotation"].default_value
@@ -251,61 +275,15 @@ def settings_of(material: bpy.types.Material) -> Settings:
 
 def our_materials() -> list[bpy.types.Material]:
     """Materials of ours that can be edited and are whole."""
-    return [m for m in bpy.data.materials if is_ours(m) and m.is_editable and shader_node(m) is not None]
-
-
-def refresh_table(path: Path, scene: bpy.types.Scene) -> None:
-    """Bring the materials of a table that was baked anew up to its layout."""
-    for material in our_materials():
-        if table_path(material) == path:
-            apply(material, path, settings_of(material), lights.lamp_objects(scene))
-
-
-def _source_text(stem: str, source: str) -> bpy.types.Text:
-    name = f"diffraction {stem}.osl"
-    text = bpy.data.texts.get(name) or bpy.data.texts.new(name)
-    if text.as_string() != source:
-        text.clear()
-        text.write(source)
-    return text
-
-
-def follow_lamps(material: bpy.types.Material, scene: bpy.types.Scene) -> None:
-    """Bind a material to the scene's lamps as they are now."""
-    settings = settings_of(material)
-    if settings.implementation == "NODES" and table_path(material).is_file():
-        apply(material, table_path(material), settings, lights.lamp_objects(scene))
-        return
-    lights.bind(shader_node(material), lights.lamp_objects(scene))
-
-
-def lamps_max(material: bpy.types.Material) -> int:
-    """Lamps that a material can follow."""
-    return osl.LAMPS_MAX if needs_osl(material) else nodes_twin.LAMPS_MAX
+    return [m for m in bpy.data.materials if m.is_editable and is_ours(m) and shader_node(m) is not None]
 
 
 def needs_osl(material: bpy.types.Material) -> bool:
     """Whether a material is of the OSL implementation."""
-    return shader_node(material).bl_idname == "ShaderNodeScript"
-
-
-def _place_node(material: bpy.types.Material, kind: str) -> bpy.types.Node:
-    """The node of the diffraction; one of the other implementation hands its pigment over and goes."""
-    tree = material.node_tree
-    node = tree.nodes.get(NODE)
-    if node is not None and node.bl_idname == kind:
-        return node
-    pigment = None
-    if node is not None:
-        base = node.inputs.get("Base")
-        pigment = base.links[0].from_socket if base is not None and base.links else None
-        tree.nodes.remove(node)
-    node = tree.nodes.new(kind)
-    node.name = NODE
-    node.width = 260.0
-    if pigment is not None:
-        tree.links.new(pigment, _surface_output(tree, "CYCLES").inputs["Surface"])  # found there by `_connect`
-    return node
+    known = group.owner(material)
+    if isinstance(known, bpy.types.Material):  # of version 0.1.0
+        return shader_node(material).bl_idname == "ShaderNodeScript"
+    return known[keys.IMPLEMENTATION] == "OSL"
 
 
 def _surface_output(tree: bpy.types.NodeTree, target: str) -> bpy.types.Node:
@@ -314,69 +292,67 @@ def _surface_output(tree: bpy.types.NodeTree, target: str) -> bpy.types.Node:
     return output if output is not None else tree.nodes.new("ShaderNodeOutputMaterial")
 
 
-def _connect(material: bpy.types.Material, node: bpy.types.Node, settings: Settings) -> None:
-    tree = material.node_tree
-    output = _surface_output(tree, "CYCLES")
-    surface = output.inputs["Surface"]
-    base = surface.links[0].from_socket if surface.links else None
-    if base is not None and base.node != node:
-        node.location = (output.location.x - 20.0, output.location.y)
-        output.location.x += 320.0
-        tree.links.new(base, node.inputs["Base"])
-    elif not node.inputs["Base"].links:
-        pigment = tree.nodes.new("ShaderNodeBsdfDiffuse")
-        pigment.name = pigment.label = "Pigment"
-        pigment.inputs["Color"].default_value = DARK
-        pigment.location = (-300.0, 200.0)
-        node.location = (0.0, 200.0)
-        output.location = (340.0, 200.0)
-        tree.links.new(pigment.outputs["BSDF"], node.inputs["Base"])
-    _take_over_normal(tree, node)
+def _connect(node: Any, settings: Settings) -> None:
+    """Put the node between a shader that is there and the output; one that is in use stays where it is."""
+    tree: Any = node.id_data
+    if not node.outputs["BSDF"].links:
+        output = _surface_output(tree, "CYCLES")
+        surface = output.inputs["Surface"]
+        base = surface.links[0].from_socket if surface.links else None
+        if base is not None:
+            node.location = (output.location.x - 20.0, output.location.y)
+            output.location.x += 280.0
+            tree.links.new(base, node.inputs["Base"])
+        else:
+            node.location, output.location = (0.0, 200.0), (280.0, 200.0)
+        tree.links.new(node.outputs["BSDF"], surface)
+    if not node.inputs["Base"].links:
+        dark = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        dark.name = dark.label = "Pigment"
+        dark.inputs["Color"].default_value = DARK
+        dark.location = (node.location.x - 240.0, node.location.y)
+        tree.links.new(dark.outputs["BSDF"], node.inputs["Base"])
+    _take_over(tree, node)
     _orient(tree, node, settings)
-    tree.links.new(node.outputs["BSDF"], surface)
-    for_eevee = tree.nodes.get(EEVEE_OUTPUT)
-    if "EEVEE" in node.outputs:
-        output.target = "CYCLES"
-        if for_eevee is None:
-            for_eevee = tree.nodes.new("ShaderNodeOutputMaterial")
-            for_eevee.name, for_eevee.label, for_eevee.target = EEVEE_OUTPUT, "EEVEE", "EEVEE"
-            for_eevee.location = (output.location.x, output.location.y - 180.0)
-        tree.links.new(node.outputs["EEVEE"], for_eevee.inputs["Surface"])
-    elif for_eevee is not None:
-        tree.nodes.remove(for_eevee)
-        output.target = "ALL"
 
 
-def _take_over_normal(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
-    """Bump and normal maps of the pigment count for the diffraction too."""
-    if node.inputs["Normal"].links or not node.inputs["Base"].links:
+def _take_over(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
+    """Bump, normal maps and transparency of the pigment count for the diffraction too; what the user linked stays."""
+    base, normal, mask = (node.inputs[name] for name in ("Base", "Normal", "Mask"))
+    if not base.links:
         return
-    normal = node.inputs["Base"].links[0].from_node.inputs.get("Normal")
-    if normal is not None and normal.links:
-        tree.links.new(normal.links[0].from_socket, node.inputs["Normal"])
+    if not normal.links:
+        found = pigment.normal_of(base)
+        if found is not None:
+            tree.links.new(found, normal)
+    if not mask.links or mask.links[0].from_node.get(pigment.OURS) == pigment.ALPHA:
+        pigment.remove_alpha(tree)
+        alpha = pigment.alpha_of(base)
+        if isinstance(alpha, bpy.types.NodeSocket):
+            tree.links.new(alpha, mask)
+        elif alpha < 1.0:  # an opaque shader leaves the mask that the user set
+            mask.default_value = alpha
 
 
 def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) -> None:
     """Nodes that say how the scan lies on the surface; those of an earlier choice go."""
-    for old in [n for n in tree.nodes if n.name.startswith("Diffraction ")]:
+    for old in [n for n in tree.nodes if n.name in frame.NAMES]:
         tree.nodes.remove(old)
     at = (node.location.x - 280.0, node.location.y - 200.0)
     turn = settings.rotation
-    bitangent = handedness = None
+    tangent = bitangent = handedness = None
     if settings.orientation == "ATTRIBUTE":
         tangent, _ = frame.attribute_frame(tree, settings.attribute, at)
     elif settings.orientation == "RADIAL":
         tangent, _ = frame.radial_frame(tree, at)
         turn += frame.RADIAL_TURN
-    elif "Handedness" in node.inputs and tells_mirrored_uv():
+    elif settings.uv_map and needs_handedness(node):
         tangent, handedness = frame.uv_directions(tree, settings.uv_map, at)
-    else:
+    elif settings.uv_map:
         tangent, bitangent = frame.uv_frame(tree, settings.uv_map, at)
-    tree.links.new(tangent, node.inputs["Tangent"])
-    if bitangent is not None:
-        tree.links.new(bitangent, node.inputs["Bitangent"])
-    if handedness is not None:
-        tree.links.new(handedness, node.inputs["Handedness"])
+    for socket, name in ((tangent, "Tangent"), (bitangent, "Bitangent"), (handedness, "Handedness")):
+        if socket is not None:
+            tree.links.new(socket, node.inputs[name])
     is_direction = settings.orientation == "ATTRIBUTE" or handedness is not None
     node.inputs["TangentIsDirection"].default_value = int(is_direction)
     node.inputs["Rotation"].default_value = turn
@@ -386,3 +362,8 @@ def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) 
             raise ParameterError(f"There is no image '{settings.angle_image}'; load the image of the angles first.")
         angle = frame.angle_image(tree, image, turn, (at[0], at[1] - 400.0))
         tree.links.new(angle, node.inputs["Rotation"])
+
+
+def needs_handedness(node: Any) -> bool:
+    """Whether a node takes a direction and the sign of mirrored UV maps, rather than two vectors of normal maps."""
+    return node.node_tree[keys.IMPLEMENTATION] == "OSL" and tells_mirrored_uv()

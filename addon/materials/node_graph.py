@@ -121,6 +121,14 @@ class Graph:
             self.put(next(s for s in node.inputs if s.identifier == name), value)
         return next(s for s in node.outputs if s.identifier == "Result_Vector")
 
+    def choose(self, flag: Value, a: Value, b: Value) -> Socket:
+        """Number a where the flag is 0, b where it is 1.
+
+        Cycles knows the flag of a lamp when it compiles, and drops products with a constant 0 and all that leads to
+        them; of a Multiply Add it drops nothing.
+        """
+        return self.sum(self.product(flag, b), self.product(self.difference(1.0, flag), a))
+
     def group(self, tree: bpy.types.NodeTree, **values: Value) -> bpy.types.Node:
         """An instance of a node group."""
         node = self.add("ShaderNodeGroup", node_tree=tree)

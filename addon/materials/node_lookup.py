@@ -90,7 +90,20 @@ def albedo(name: str, layout: TableLayout, texels: bpy.types.NodeTree) -> bpy.ty
     x, y, z = graph.split(graph.add("NodeGroupInput").outputs["Direction"])
     theta = graph.math("ARCCOSINE", graph.clamp(z, 0.0, 1.0))
     column = graph.fused(theta, (layout.n_theta - 1) / (0.5 * math.pi), 0.5)
-    row = graph.sum(_turn_row(graph, y, x, layout.n_albedo_phi), layout.albedo_y + 1.5)
+    row = graph.sum(_turn_row(graph, y, x, layout.n_albedo_phi), layout.conserving_y + 1.5)
     found = graph.group(texels, X=column, Y=row).outputs["Value"]
     graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.split(found)[0])
+    return tree
+
+
+def reflectance(name: str, layout: TableLayout, texels: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """Group (cosine of the view) -> XYZ that the table's stuff keeps from below."""
+    tree = new_group(f"Diffraction reflectance {name}")
+    interface(tree, {"Cosine": ("NodeSocketFloat", None)}, {"XYZ": "NodeSocketVector"})
+    graph = Graph(tree)
+    cosine = graph.add("NodeGroupInput").outputs["Cosine"]
+    theta = graph.math("ARCCOSINE", graph.clamp(cosine, 0.0, 1.0))
+    column = graph.fused(theta, (layout.n_reflectance - 1) / (0.5 * math.pi), 0.5)
+    found = graph.group(texels, X=column, Y=layout.reflectance_y + 0.5).outputs["Value"]
+    graph.put(graph.add("NodeGroupOutput").inputs["XYZ"], found)
     return tree

@@ -1,312 +1,131 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The material without OSL: the formulas of ``shaders/*.osl`` as shader nodes, for any device and for EEVEE.
 
-Each lamp of the scene has its own nodes, so the group is built anew when lamps come or go; moves go through
-drivers. Cycles takes the same aimed toon lobes as the OSL material. EEVEE has no toon closure: there a white GGX
-lobe about the half vector is turned into the colour that it shows (Shader to RGB), which brings the lamp's light
-and shadow, and that colour times f cos is emitted. A lobe of the colour f cos would go through EEVEE's buffers,
-which hold colours in ten bits from 0 to 8 and one lobe of several at random. Lamps count by their middle, and there
-is no environment.
+Lamps are read from the scene's list, slot by slot; Cycles takes the list's numbers as constants and drops what is not
+in use. What Cycles draws from the environment by a mirror EEVEE reads from its probe of the world
+(`twin.lamps.mirror`).
 """
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
 from typing import Any
 
 import bpy
 
 from ...precompute.table.layout import TableLayout
-from . import lights, node_lookup
-from .node_graph import Graph, Socket, Value, interface, new_group
+from ..lights import slots
+from .node import interface, lamp_nodes
+from .node_graph import Graph, Socket
+from .twin import environment, lamps, lookup
+from .twin import value as values
+from .twin.surface import Parts, Surface, shared
 
-#: Lamps that the nodes follow.
-LAMPS_MAX = 8
-
-#: Alpha (roughness squared) of EEVEE's lobe, for small lamps and at most: it is four times as wide as the lamp.
-#: Narrower ones its tables of GGX do not hold, wider ones see more of the other lamps and of the world.
-EEVEE_ALPHA, EEVEE_ALPHA_MAX = 0.04, 0.25
-
-#: What EEVEE's tables make of the lobe's peak, measured: 0.995 to 0.997 at all angles for the smallest alpha.
-EEVEE_PEAK = 0.9957
-
-#: Radius of the disc with the same mean square as a lamp, over half the lamp's diagonal.
-_ROUND = {"SUN": 1.0, "BALL": 1.0, "RECTANGLE": math.sqrt(2.0 / 3.0), "ELLIPSE": math.sqrt(0.5)}
-
-_NUMBER, _VECTOR, _SHADER = "NodeSocketFloat", "NodeSocketVector", "NodeSocketShader"
-
-_INPUTS: dict[str, tuple[str, object]] = {
-    "Base": (_SHADER, None),
-    "Normal": (_VECTOR, (0.0, 0.0, 0.0)),
-    "Tangent": (_VECTOR, (0.0, 0.0, 0.0)),
-    "Bitangent": (_VECTOR, (0.0, 0.0, 0.0)),
-    "TangentIsDirection": ("NodeSocketInt", 0),
-    "Rotation": (_NUMBER, 0.0),
-    "Brightness": (_NUMBER, 1.0),
-    "IOR": (_NUMBER, 1.5),
-    "ConductorN": (_VECTOR, (1.35, 0.95, 0.61)),
-    "ConductorK": (_VECTOR, (7.47, 6.54, 5.47)),
-    "DiffuseLimit": (_NUMBER, 1.0),
-    "Cone": (_NUMBER, 0.1),
-    # Built in rather than read; they stand here for whoever asks a material what it is.
-    "Fresnel": ("NodeSocketInt", 1),
-    "ConserveEnergy": ("NodeSocketInt", 1),
-    "Environment": ("NodeSocketInt", 0),
-    "ToRed": (_VECTOR, (3.2404542, -1.5371385, -0.4985314)),
-    "ToGreen": (_VECTOR, (-0.969266, 1.8760108, 0.041556)),
-    "ToBlue": (_VECTOR, (0.0556434, -0.2040259, 1.0572252)),
-}
+#: Changes with the nodes: a group that another version made is built anew.
+VERSION = 3
 
 
 def build(
-    name: str, image: bpy.types.Image, layout: TableLayout, albedo_max: float, fresnel: str, conserve: bool,
-    lamps: Sequence[lights.LampObject],
-) -> bpy.types.NodeTree:  # fmt: skip
-    """Build (or rebuild in place) the group of a material.
+    tree: bpy.types.NodeTree, stem: str, images: tuple[bpy.types.Image, bpy.types.Image], layout: TableLayout,
+    albedo_max: float, fresnel: str, conserve: bool, own: Any, albedo_free: float = 2.0,
+) -> None:  # fmt: skip
+    """Fill (or fill anew) the group of a table.
 
     Parameters
     ----------
-    name
-        Of the material; the group is called after it.
-    image
-        The atlas.
+    tree
+        A group with the sockets of `node.interface`.
+    stem
+        Name of the table.
+    images
+        The atlas and the image of directions.
     layout, albedo_max
         Of the table.
     fresnel, conserve
         As in `material.Settings`; they are built in.
-    lamps
-        At most `LAMPS_MAX` are taken.
+    own
+        Illuminant of a matrix of its own, None for the scene's, see `node.lamp_nodes.matrix`.
+    albedo_free
+        Cosine above which no albedo passes 1 (`importance.albedo_free_cosine`).
     """
-    stem = image.name
-    texels = node_lookup.bilinear(image, layout)
-    table = node_lookup.transform(stem, layout, texels)
-    albedo = node_lookup.albedo(stem, layout, texels) if conserve and albedo_max > 1.0 else None
-
-    tree = new_group(f"Diffraction {name}")
-    lamps = lamps[:LAMPS_MAX]
-    sockets = dict(_INPUTS)
-    for number in range(1, len(lamps) + 1):
-        sockets |= {f"Lamp{number}{each}": (_VECTOR, None) for each in ("Place", "AxisU", "AxisV", "Size")}
-        sockets[f"Lamp{number}Kind"] = ("NodeSocketInt", 0)
-    interface(tree, sockets, {"BSDF": _SHADER, "EEVEE": _SHADER})
-    surface = _Surface(Graph(tree), table, albedo, fresnel)
-    cycles, eevee = surface.base(), surface.base()
-    seen: Value = (0.0, 0.0, 0.0)
-    for number, lamp in enumerate(lamps, 1):
-        toon, colour = surface.lobes(number, lights.lamp_kind(lamp.data))
-        cycles, seen = surface.both(cycles, toon), surface.graph.vector("ADD", seen, colour)
-    if lamps:
-        eevee = surface.both(eevee, surface.emitted(seen))
-    output = surface.graph.add("NodeGroupOutput")
-    surface.graph.put(output.inputs["BSDF"], cycles)
-    surface.graph.put(output.inputs["EEVEE"], eevee)
-    return tree
+    atlas, directions = images
+    texels = lookup.texels(atlas, layout)
+    table = lookup.transform(stem, layout, texels)
+    kept = lookup.reflectance(stem, layout, texels) if layout.holds_reflectance else None
+    fresnel = fresnel if kept is None else "NONE"
+    parts = Parts(
+        name=f"{stem} {fresnel.lower()}{'' if conserve else ' raw'}", layout=layout,
+        value=values.value(stem, layout, table, fresnel),
+        albedo=lookup.albedo(stem, layout, texels) if conserve and albedo_max > 1.0 else None,
+        albedo_free=albedo_free, fresnel=fresnel, conserve=conserve, kept=kept,
+    )  # fmt: skip
+    lobe, for_eevee, draw = lamps.in_cycles(parts), lamps.in_eevee(parts), environment.draw(parts, directions)
+    tree.nodes.clear()
+    graph = Graph(tree)
+    given = graph.add("NodeGroupInput").outputs
+    surface = Surface(graph, parts, shared(graph, given, parts, lamp_nodes.matrix(graph, own)))
+    random = environment.random_numbers(graph)
+    drawn = surface.group(draw, Random=random).outputs
+    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, graph.clamp(given["Environment"], 0.0, 1.0))
+    cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
+    eevee = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), surface.emitted(shown))
+    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], surface.mixed(surface["EEVEE"], cycles, eevee))
 
 
-class _Surface:
-    """The nodes that all lamps share, and those of one lamp."""
+def _lamps(
+    surface: Surface, lobe: bpy.types.NodeTree, for_eevee: bpy.types.NodeTree, random: Socket, drawn: Any,
+    enabled: Socket,
+) -> tuple[Socket, Socket]:  # fmt: skip
+    """The closure of all lamps and of the mirror into the environment for Cycles, and their colour in EEVEE.
 
-    def __init__(
-        self, graph: Graph, table: bpy.types.NodeTree, albedo: bpy.types.NodeTree | None, fresnel: str
-    ) -> None:
-        self.graph, self._table, self._albedo, self._fresnel = graph, table, albedo, fresnel
-        self._in = graph.add("NodeGroupInput").outputs
-        geometry = graph.add("ShaderNodeNewGeometry")
-        self._viewer, self._position = geometry.outputs["Incoming"], geometry.outputs["Position"]
-        given = self._in["Normal"]
-        has_normal = graph.math("GREATER_THAN", graph.scalar("LENGTH", given), 0.0)
-        self._n = graph.vector("NORMALIZE", graph.mix(has_normal, geometry.outputs["Normal"], given))
-        self._t, self._b = self._frame()
-        self._wr = self._local(self._viewer)
-        self._wr_x, self._wr_y, self._cos_r = graph.split(self._wr)
-        front = graph.math("GREATER_THAN", self._cos_r, 0.0)
-        self._front = graph.product(front, graph.difference(1.0, geometry.outputs["Backfacing"]))
-        self._albedo_r = self._albedo_of(self._wr)
+    Cycles knows the scene's list when it compiles: an empty slot leaves no nodes behind.
+    """
+    graph = surface.graph
+    jitter = lamps.jitter(graph, random)
+    closure, outside, outside_in_eevee, shown = None, 1.0, enabled, None
+    for slot in range(1, slots.SLOTS + 1):
+        lamp = lamp_nodes.lamp(graph, slot).outputs
+        sockets = {name: lamp[name] for name in lamp_nodes.OUTPUTS} | {"To": drawn["To"]}
+        more = {"Random": random, "Jitter": jitter, "Step": lamps.step(slot)}
+        aimed = surface.group(lobe, **sockets, **more).outputs
+        closure = aimed["Lobe"] if closure is None else surface.both(closure, aimed["Lobe"])
+        outside = graph.product(outside, aimed["Outside"])
+        if slot <= lamps.EEVEE_LAMPS_MAX:
+            seen = surface.group(for_eevee, **sockets).outputs
+            shown = seen["Colour"] if shown is None else graph.vector("ADD", shown, seen["Colour"])
+            outside_in_eevee = graph.product(outside_in_eevee, seen["Outside"])
+    plain = _mirror(surface, drawn, graph.product(drawn["Weight"], outside))
+    if surface.parts.albedo is not None:
+        plain = surface.mixed(
+            drawn["Special"], plain, _mirror(surface, drawn, graph.product(drawn["Finished"], outside))
+        )
+    closure = surface.both(closure, surface.mixed(enabled, None, plain))
+    world = lamps.mirror(graph, graph.vector("NORMALIZE", drawn["Half"]), 0.0)
+    by_world = graph.scaled(
+        graph.vector("MULTIPLY", drawn["RGB"], world), graph.product(drawn["Finished"], outside_in_eevee)
+    )
+    return closure, graph.vector("ADD", shown, by_world)
 
-    def _surface_direction(self, name: str) -> Socket:
-        """Undo the transform of normals and apply that of directions, see ``shaders/diffraction.osl``.
 
-        With M the object's matrix, a normal's transform is undone by its transpose: the components are the
-        products with M's columns, the images of the axes. (Vector Transform itself treats normals as directions.)
-        """
-        graph, given = self.graph, self._in[name]
-        total: Any = (0.0, 0.0, 0.0)
-        for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-            turned = graph.add(
-                "ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD"
-            )
-            graph.put(turned.inputs[0], axis)
-            column = turned.outputs[0]
-            total = graph.vector("ADD", total, graph.scaled(column, graph.scalar("DOT_PRODUCT", given, column)))
-        return total
+def _mirror(surface: Surface, drawn: Any, weight: Socket) -> Socket:
+    """A mirror that looks into the drawn direction."""
+    graph = surface.graph
+    node = graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
+    graph.put(node.inputs["Color"], graph.scaled(drawn["RGB"], weight))
+    graph.put(node.inputs["Roughness"], 0.0)
+    graph.put(node.inputs["Normal"], drawn["Half"])
+    return node.outputs[0]
 
-    def _frame(self) -> tuple[Socket, Socket]:
-        graph, n = self.graph, self._n
-        t, b = self._surface_direction("Tangent"), self._surface_direction("Bitangent")
-        t = graph.mix(self._in["TangentIsDirection"], t, self._in["Tangent"])
-        t = graph.vector("SUBTRACT", t, graph.scaled(n, graph.scalar("DOT_PRODUCT", t, n)))
-        t = graph.vector("NORMALIZE", t)
-        across = graph.vector("CROSS_PRODUCT", n, t)
-        mirrored = graph.math("LESS_THAN", graph.scalar("DOT_PRODUCT", across, b), 0.0)
-        across = graph.scaled(across, graph.fused(mirrored, -2.0, 1.0))
-        cos, sin = graph.math("COSINE", self._in["Rotation"]), graph.math("SINE", self._in["Rotation"])
-        turned_b = graph.vector("SUBTRACT", graph.scaled(across, cos), graph.scaled(t, sin))
-        turned_t = graph.vector("ADD", graph.scaled(t, cos), graph.scaled(across, sin))
-        return turned_t, turned_b
 
-    def _local(self, direction: Socket) -> Socket:
-        return self.graph.join(*(self.graph.scalar("DOT_PRODUCT", direction, a) for a in (self._t, self._b, self._n)))
+def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> Socket:
+    """One closure in Cycles, another in EEVEE.
 
-    def _albedo_of(self, direction: Socket) -> Value:
-        if self._albedo is None:
-            return 1.0
-        return self.graph.group(self._albedo, Direction=direction).outputs["Albedo"]
-
-    def _reflectance(self, cos_half: Socket) -> Value:
-        """R as a vector of red, green and blue, or a number."""
-        graph = self.graph
-        if self._fresnel == "DIELECTRIC":
-            ior = self._in["IOR"]
-            root = graph.quotient(graph.difference(ior, 1.0), graph.sum(ior, 1.0))
-            r0 = graph.product(root, root)
-            m = graph.math("POWER", graph.difference(1.0, graph.clamp(cos_half, 0.0, 1.0)), 5.0)
-            return graph.fused(graph.difference(1.0, r0), m, r0)
-        if self._fresnel == "CONDUCTOR":
-            n, k = graph.split(self._in["ConductorN"]), graph.split(self._in["ConductorK"])
-            return graph.join(*(self._conductor(n[i], k[i], cos_half) for i in range(3)))
-        return 1.0
-
-    def _conductor(self, n: Socket, k: Socket, cos_half: Socket) -> Socket:
-        """As ``fresnel_conductor`` in ``shaders/brdf.osl``."""
-        graph = self.graph
-        c = graph.clamp(cos_half, 0.0, 1.0)
-        c2 = graph.product(c, c)
-        s2 = graph.difference(1.0, c2)
-        d = graph.difference(graph.difference(graph.product(n, n), graph.product(k, k)), s2)
-        nk = graph.product(n, k)
-        a2b2 = graph.math("SQRT", graph.fused(d, d, graph.product(nk, nk, 4.0)))
-        a = graph.math("SQRT", graph.product(graph.sum(a2b2, d), 0.5))
-        twice = graph.product(c, a, 2.0)
-        plain = graph.sum(a2b2, c2)
-        rs = graph.quotient(graph.difference(plain, twice), graph.sum(plain, twice))
-        p_plain, p_twice = graph.fused(c2, a2b2, graph.product(s2, s2)), graph.product(twice, s2)
-        rp = graph.product(rs, graph.quotient(graph.difference(p_plain, p_twice), graph.sum(p_plain, p_twice)))
-        return graph.product(graph.sum(rs, rp), 0.5)
-
-    def base(self) -> Socket:
-        """The pigment, weighted by 1 - R at the view angle."""
-        reflectance = self._reflectance(self._cos_r)
-        if isinstance(reflectance, bpy.types.NodeSocket) and reflectance.type == "VECTOR":
-            reflectance = self.graph.product(self.graph.scalar("DOT_PRODUCT", reflectance, (1.0, 1.0, 1.0)), 1.0 / 3.0)
-        node = self.graph.add("ShaderNodeMixShader")
-        self.graph.put(node.inputs[0], reflectance)
-        self.graph.put(node.inputs[1], self._in["Base"])
-        return node.outputs[0]
-
-    def both(self, a: Socket, b: Socket) -> Socket:
-        """Two closures added."""
-        node = self.graph.add("ShaderNodeAddShader")
-        self.graph.put(node.inputs[0], a)
-        self.graph.put(node.inputs[1], b)
-        return node.outputs[0]
-
-    def emitted(self, colour: Value) -> Socket:
-        """A closure that shows a colour."""
-        node = self.graph.add("ShaderNodeEmission")
-        self.graph.put(node.inputs["Color"], colour)
-        return node.outputs[0]
-
-    def lobes(self, number: int, kind: str) -> tuple[Socket, Socket]:
-        """A lamp's lobe for Cycles, and the colour that it gives in EEVEE."""
-        graph = self.graph
-        place, size = self._in[f"Lamp{number}Place"], self._in[f"Lamp{number}Size"]
-        if kind == "SUN":
-            to = graph.vector("NORMALIZE", place)
-            radius = graph.product(graph.split(size)[0], 0.5)
-        else:
-            offset = graph.vector("SUBTRACT", place, self._position)
-            to = graph.vector("NORMALIZE", offset)
-            radius = graph.math(
-                "ARCTANGENT", graph.quotient(self._half_extent(number, kind), graph.scalar("LENGTH", offset))
-            )
-        half = graph.vector("NORMALIZE", graph.vector("ADD", to, self._viewer))
-        f_cos = self._f_cos(to, half)
-        cone = graph.math("MAXIMUM", self._in["Cone"], graph.fused(radius, 1.02, 0.002))
-        s = graph.math("SINE", graph.product(cone, 0.5))
-        toon = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
-        graph.put(toon.inputs["Color"], graph.scaled(f_cos, graph.product(s, s, 4.0 * math.pi)))
-        graph.put(toon.inputs["Size"], graph.product(cone, 2.0 / math.pi))
-        graph.put(toon.inputs["Smooth"], 0.0)
-        graph.put(toon.inputs["Normal"], half)
-
-        radius = graph.product(radius, _ROUND[kind])
-        alpha = graph.clamp(graph.product(radius, 2.0), EEVEE_ALPHA, EEVEE_ALPHA_MAX)
-        alpha2 = graph.product(alpha, alpha)
-        glossy = graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
-        graph.put(glossy.inputs["Color"], (1.0, 1.0, 1.0))
-        graph.put(glossy.inputs["Roughness"], graph.math("SQRT", alpha))
-        graph.put(glossy.inputs["Normal"], half)
-        shown = graph.add("ShaderNodeShaderToRGB")
-        graph.put(shown.inputs[0], glossy.outputs[0])
-        c = graph.clamp(graph.scalar("DOT_PRODUCT", half, self._viewer), 1e-3, 1.0)
-        # One over the lobe's peak is 4 c pi alpha^2 (1 + 2 Lambda(c)), with 1 + 2 Lambda = sqrt(1 + alpha^2 tan^2).
-        tan2 = graph.difference(graph.math("POWER", c, -2.0), 1.0)
-        gain = graph.product(c, alpha2, graph.math("SQRT", graph.fused(tan2, alpha2, 1.0)), 4.0 * math.pi / EEVEE_PEAK)
-        # The mean of the lobe over the lamp lies below the peak: half vectors turn by half the lamp's radius in the
-        # plane of incidence and by 1 / c as much across it, D falls as 1 - 2 (tan / alpha)^2.
-        part = graph.quotient(graph.product(radius, 0.5), alpha)
-        gain = graph.product(gain, graph.fused(graph.product(part, part, 0.5), graph.sum(tan2, 2.0), 1.0))
-        return toon.outputs[0], graph.scaled(graph.vector("MULTIPLY", f_cos, shown.outputs[0]), gain)
-
-    def _half_extent(self, number: int, kind: str) -> Socket:
-        """Radius of a ball that holds the lamp."""
-        graph = self.graph
-        x, y, _ = graph.split(self._in[f"Lamp{number}Size"])
-        if kind == "BALL":
-            return x
-        along = graph.product(x, graph.scalar("LENGTH", self._in[f"Lamp{number}AxisU"]))
-        across = graph.product(y, graph.scalar("LENGTH", self._in[f"Lamp{number}AxisV"]))
-        return graph.product(graph.math("SQRT", graph.fused(along, along, graph.product(across, across))), 0.5)
-
-    def _f_cos(self, to: Socket, half: Socket) -> Socket:
-        """f cos(theta_i) R as RGB, 0 where light or viewer is below the surface."""
-        graph = self.graph
-        wi = self._local(to)
-        x, y, cos_i = graph.split(wi)
-        lit = graph.product(graph.math("GREATER_THAN", cos_i, 0.0), self._front)
-        w = graph.math("MAXIMUM", graph.sum(cos_i, self._cos_r), 1e-4)
-        mirror = graph.sum(graph.scalar("DOT_PRODUCT", wi, self._wr), 1.0)
-        factor = graph.quotient(graph.product(mirror, mirror), graph.product(self._cos_r, w, w))
-        if self._albedo is not None:
-            largest = graph.math("MAXIMUM", graph.math("MAXIMUM", self._albedo_of(wi), self._albedo_r), 1.0)
-            factor = graph.quotient(factor, largest)
-        u = graph.product(graph.sum(x, self._wr_x), -1.0)
-        v = graph.product(graph.sum(y, self._wr_y), -1.0)
-        xyz = graph.scaled(graph.group(self._table, U=u, V=v, W=w).outputs["XYZ"], factor)
-        rgb = self._into_gamut(xyz)
-        cos_half = graph.math("MAXIMUM", graph.scalar("DOT_PRODUCT", half, self._viewer), 0.0)
-        reflectance = self._reflectance(cos_half)
-        if isinstance(reflectance, bpy.types.NodeSocket) and reflectance.type == "VECTOR":
-            rgb, reflectance = graph.vector("MULTIPLY", rgb, reflectance), 1.0
-        gain = graph.product(lit, self._in["Brightness"], reflectance)
-        rgb = graph.scaled(rgb, gain)
-        # Seen by a diffuse bounce the specular peak makes fireflies.
-        red, green, blue = graph.split(rgb)
-        peak = graph.math("MAXIMUM", red, graph.math("MAXIMUM", green, blue))
-        limit = self._in["DiffuseLimit"]
-        limited = graph.quotient(limit, graph.math("MAXIMUM", peak, limit))
-        diffuse = graph.add("ShaderNodeLightPath").outputs["Is Diffuse Ray"]
-        return graph.scaled(rgb, graph.fused(diffuse, graph.difference(limited, 1.0), 1.0))
-
-    def _into_gamut(self, xyz: Socket) -> Socket:
-        graph = self.graph
-        components = [graph.scalar("DOT_PRODUCT", self._in[name], xyz) for name in ("ToRed", "ToGreen", "ToBlue")]
-        luminance = graph.math("MAXIMUM", graph.split(xyz)[1], 0.0)
-        lowest = graph.math("MINIMUM", components[0], graph.math("MINIMUM", components[1], components[2]))
-        below = graph.math("MINIMUM", lowest, 0.0)
-        keep = graph.quotient(luminance, graph.difference(luminance, below))  # 1 inside the gamut
-        grey = graph.join(luminance, luminance, luminance)
-        away = graph.vector("SUBTRACT", graph.join(*components), grey)
-        moved = graph.vector("ADD", grey, graph.scaled(away, keep))
-        return graph.vector("MAXIMUM", moved, (0.0, 0.0, 0.0))
+    EEVEE alone turns shaders into colours: the factor is 1 there. Cycles does not know that node, takes the factor's
+    own value 0 and drops the branch with its images.
+    """
+    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
+    choice = graph.add("ShaderNodeMixShader", label="Cycles or EEVEE")
+    choice.inputs[0].default_value = 0.0
+    graph.put(engine.inputs[0], white.outputs[0])
+    for socket, value in zip(choice.inputs, (engine.outputs[0], cycles, eevee), strict=True):
+        graph.put(socket, value)
+    return choice.outputs[0]

@@ -5,20 +5,21 @@ from __future__ import annotations
 
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
+from ..lights import slots
 from ..shader_files import SHADERS
 from ..versions import texture_t_is_down
 
 #: In the order in which they use each other.
 PARTS = ("table.osl", "brdf.osl", "lamps.osl", "importance.osl", "diffraction.osl")
 
-#: Lamps a material can follow; each has five sockets, see ``shaders/diffraction.osl``.
-LAMPS_MAX = 16
+#: Lamps that the shader reads of the scene's list, see ``shaders/diffraction.osl``.
+LAMPS_MAX = slots.SLOTS
 
 #: Values of the socket ``Fresnel``.
 FRESNEL = {"NONE": 0, "DIELECTRIC": 1, "CONDUCTOR": 2}
 
 #: Values of the sockets ``LampNKind``.
-LAMP_KINDS = {"NONE": 0, "SUN": 1, "BALL": 2, "RECTANGLE": 3, "ELLIPSE": 4}
+LAMP_KINDS = slots.KINDS
 
 
 def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> str:
@@ -37,6 +38,10 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
         Cosine above which no albedo passes 1 (`importance.albedo_free_cosine`); 2 looks up every one.
     """
     numbers = {f"TABLE_{name.upper()}": value for name, value in layout.to_dict().items()}
+    numbers["TABLE_ALBEDO_Y"] = layout.conserving_y
+    numbers["TABLE_HOLDS_REFLECTANCE"] = int(layout.holds_reflectance)
+    numbers["TABLE_HAS_LACQUER"] = int(layout.index > 1.0)
+    numbers["TABLE_INDEX"] = layout.index
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
     numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
     numbers["LAMPS_MAX"] = LAMPS_MAX

@@ -4,14 +4,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 
 import bpy
 
 from ..versions import EEVEE
-from .lights import LampObject
 
-#: Custom property of scenes, lamps and materials that holds what was there before.
+#: Custom property of scenes and materials (of version 0.1.0 of lamps too) that holds what was there before.
 BEFORE = "diffraction_before"
 
 #: Custom property of a scene whose settings were given back: they stay so until a material is applied again.
@@ -24,14 +22,10 @@ def take_up(scene: bpy.types.Scene) -> None:
         del scene[HANDS_OFF]
 
 
-def prepare_scene(scene: bpy.types.Scene, lamps: Sequence[LampObject], needs_osl: bool = True) -> list[str]:
-    """Set what Cycles needs and say what was changed, one sentence without a full stop each.
+def prepare_scene(scene: bpy.types.Scene, needs_osl: bool = True) -> list[str]:
+    """Switch OSL on where a material needs it and say what was changed, one sentence without a full stop each.
 
-    * OSL on (CPU and OptiX), where a material has it;
-    * multiple importance sampling off for lamps: aimed lobes are found by sampling the lamp, a ray that
-      finds the lamp by chance only adds noise.
-
-    Lamps of libraries stay as they are, and so does all after `restore_scene` until `take_up`.
+    All stays as it is after `restore_scene` until `take_up`.
     """
     if HANDS_OFF in scene:
         return []
@@ -43,16 +37,44 @@ def prepare_scene(scene: bpy.types.Scene, lamps: Sequence[LampObject], needs_osl
         notes.append("Open Shading Language is on for this scene")
     if scene.render.engine not in {"CYCLES", EEVEE, "BLENDER_WORKBENCH"}:
         notes.append("The scene's renderer is not Cycles, which this material needs")
-    changed = 0
-    for light in {lamp.data for lamp in lamps}:
-        settings = getattr(light, "cycles", None)
-        if settings is not None and light.is_editable and settings.use_multiple_importance_sampling:
-            _remember(light, "mis", True)
-            settings.use_multiple_importance_sampling = False
-            changed += 1
-    if changed:
-        notes.append(f"Multiple importance sampling is off for {changed} lamp{'s' * (changed != 1)}")
     return notes
+
+
+def give_back_importance_sampling() -> list[str]:
+    """Lamps whose multiple importance sampling version 0.1.0 switched off get it back; one sentence each kind.
+
+    Other materials live on it, mirrors and glass above all. Lamps of libraries are named: only their own files
+    can be mended.
+    """
+    own, linked = [], []
+    for light in bpy.data.lights:
+        before = _before(light)
+        if "mis" not in before:
+            continue
+        settings = getattr(light, "cycles", None)
+        was_off = settings is not None and settings.use_multiple_importance_sampling != before["mis"]
+        if not light.is_editable:
+            linked += [light.name] if was_off else []
+            continue
+        before_value = before.pop("mis")
+        if settings is not None and was_off:
+            settings.use_multiple_importance_sampling = before_value
+            own.append(light.name)
+        if before:
+            light[BEFORE] = json.dumps(before, sort_keys=True)
+        else:
+            del light[BEFORE]
+    found = []
+    if own:
+        found.append(
+            f"Multiple importance sampling, which version 0.1.0 had switched off, is on again: {', '.join(own)}"
+        )
+    if linked:
+        found.append(
+            f"Multiple importance sampling is off for linked lamps, which mirrors then miss: {', '.join(linked)};"
+            " open and save their files with this version"
+        )
+    return found
 
 
 def prepare_material(material: bpy.types.Material) -> None:
@@ -67,30 +89,24 @@ def changes(scene: bpy.types.Scene) -> list[str]:
     found = []
     if "shading_system" in _before(scene):
         found.append("Open Shading Language on")
-    for owners, what, noun in (
-        (bpy.data.lights, "Multiple importance sampling off", "lamp"),
-        (bpy.data.materials, "Bump map correction off", "material"),
-    ):
-        count = sum(bool(_before(owner)) for owner in owners)
-        if count:
-            found.append(f"{what}: {count} {noun}{'s' * (count != 1)}")
+    count = sum(bool(_before(each)) for each in bpy.data.materials)
+    if count:
+        found.append(f"Bump map correction off: {count} material{'s' * (count != 1)}")
     return found
 
 
 def restore_scene(scene: bpy.types.Scene) -> int:
-    """Give back what was changed, in this scene and in all lamps and materials; the number of things changed.
+    """Give back what was changed, in this scene and in all materials; the number of things changed.
 
     Nothing is set again by itself until `take_up`.
     """
     count = 0
-    for owner in (scene, *bpy.data.lights, *bpy.data.materials):
+    for owner in (scene, *bpy.data.materials):
         before = _before(owner)
         if not before or not owner.is_editable:
             continue
         if "shading_system" in before:
             owner.cycles.shading_system = before["shading_system"]
-        if "mis" in before:
-            owner.cycles.use_multiple_importance_sampling = before["mis"]
         if "bump_correction" in before:
             owner.cycles.use_bump_map_correction = before["bump_correction"]
         del owner[BEFORE]

@@ -2,17 +2,18 @@
 """What keeps materials whole when their .blend travels: Save As, append, link, copy, pack, another folder.
 
 OSL reads its images by a name in a socket, and Blender's path tools know nothing of sockets. They do know images.
-So a material points to the images of its table; whatever Blender does to those, the sockets follow. Packed images
+So a group points to the images of its table; whatever Blender does to those, the sockets follow. Packed images
 whose files are gone are written to a folder of the extension's own, because OSL cannot read a packed file.
 
-Sockets of linked materials follow too, in memory: Blender saves nothing of linked data, so a file that links an OSL
-material renders right only where the add-on is there. Materials of the kind Nodes have no such limit.
+Sockets of linked groups follow too, in memory: Blender saves nothing of linked data, so a file that links an OSL
+material renders right only where the add-on is there. Groups of the kind Nodes have no such limit.
 """
 
 from __future__ import annotations
 
 import hashlib
 from pathlib import Path
+from typing import Any
 
 import bpy
 
@@ -20,71 +21,81 @@ from ...precompute.errors import DiffractionError
 from ...precompute.files.atomic import atomic_path
 from .. import paths
 from ..tables import recipe
+from .node import group
+from .node.keys import ATLAS, IMPORTANCE, TABLE
 
-#: Custom properties of materials that point to the images of their table, and the hash of the table they render.
-ATLAS, IMPORTANCE, SHA256 = "diffraction_atlas", "diffraction_importance", "diffraction_sha256"
-
-#: Custom property of materials: path of the table.
-TABLE = "diffraction_table"
-
+#: Custom properties that point to images, and the sockets of the script node that name them.
 SOCKETS = ((ATLAS, "Atlas"), (IMPORTANCE, "Importance"))
 
 
-def attach(
-    material: bpy.types.Material, atlas: bpy.types.Image, importance: bpy.types.Image | None, sha256: str
-) -> None:
-    """Let a material point to its images, and know how its table was made."""
-    material[ATLAS] = atlas
-    if importance is not None:
-        material[IMPORTANCE] = importance
-    elif IMPORTANCE in material:
-        del material[IMPORTANCE]
-    material[SHA256] = sha256
-    path = paths.absolute(atlas.filepath)
+def note_scene_recipe(tree: bpy.types.NodeTree) -> None:
+    """Let a group know how its table was made, where a scene knows."""
+    path = paths.absolute(tree[ATLAS].filepath)
     for scene in bpy.data.scenes:
         state = getattr(scene, "diffraction", None)
         if state is not None and state.table_recipe and paths.absolute(state.table_path) == path:
-            material[recipe.KEY] = state.table_recipe
+            tree[recipe.KEY] = state.table_recipe
 
 
 def note_recipe(path: Path, made: str) -> None:
-    """Materials of a table remember how it was made."""
-    for material in bpy.data.materials:
-        if material.is_editable and TABLE in material and home(material) == path:
-            material[recipe.KEY] = made
+    """Groups of a table remember how it was made."""
+    for each in owners():
+        if each.is_editable and _home(each) == path:
+            each[recipe.KEY] = made
+
+
+def owners() -> list[bpy.types.ID]:
+    """Whatever in the file knows a table: groups, and materials that version 0.1.0 made."""
+    return [*group.trees(), *(m for m in bpy.data.materials if TABLE in m and group.owner(m) is m)]
+
+
+def recipe_of(material: bpy.types.Material) -> dict[str, Any]:
+    """How a material's table was made; empty where that is not known."""
+    return recipe.of(group.owner(material))
+
+
+def images_of(material: bpy.types.Material) -> list[bpy.types.Image]:
+    """The images of a material's table."""
+    known = group.owner(material)
+    return [known[key] for key, _ in SOCKETS if isinstance(known.get(key), bpy.types.Image)]
 
 
 def home(material: bpy.types.Material) -> Path:
     """Where a material's table belongs, whether it is there or not."""
-    atlas = material.get(ATLAS)
+    return _home(group.owner(material))
+
+
+def _home(known: bpy.types.ID) -> Path:
+    atlas = known.get(ATLAS)
     if isinstance(atlas, bpy.types.Image):
         return paths.absolute(atlas.filepath, atlas.library)
-    return paths.absolute(material[TABLE], material.library)
+    return paths.absolute(known[TABLE], known.library)
 
 
 def is_packed(material: bpy.types.Material) -> bool:
     """Whether the .blend holds the material's table."""
-    atlas = material.get(ATLAS)
+    atlas = group.owner(material).get(ATLAS)
     return isinstance(atlas, bpy.types.Image) and atlas.packed_file is not None
 
 
-def sync(material: bpy.types.Material, folder: Path | None = None) -> bool:
+def sync(known: bpy.types.ID, folder: Path | None = None) -> bool:
     """Write the images' places into the sockets; True if anything changed.
 
     Parameters
     ----------
-    material
-        One of ours.
+    known
+        One of `owners`.
     folder
         Write paths as seen from here (the .blend is about to be saved there); None takes what can be read now.
     """
-    linked = material.library is not None
-    if material.node_tree is None or (linked and folder is not None):
+    linked = known.library is not None
+    tree: Any = known.node_tree if isinstance(known, bpy.types.Material) else known
+    if tree is None or (linked and folder is not None):
         return False
-    node = material.node_tree.nodes.get("Diffraction")
+    node = group.script_of(tree)
     changed = False
     for key, name in SOCKETS:
-        image = material.get(key)
+        image = known.get(key)
         if not isinstance(image, bpy.types.Image):
             continue
         place = _readable(image) if folder is None else seen_from(image, folder)
@@ -94,17 +105,16 @@ def sync(material: bpy.types.Material, folder: Path | None = None) -> bool:
         if socket is not None and socket.type == "STRING" and socket.default_value != place:
             socket.default_value = place
             changed = True
-        if key == ATLAS and not linked and material[TABLE] != place:
-            material[TABLE] = place
+        if key == ATLAS and not linked and known[TABLE] != place:
+            known[TABLE] = place
             changed = True
     return changed
 
 
 def sync_all() -> None:
-    """All materials of the file."""
-    for material in bpy.data.materials:
-        if TABLE in material:
-            sync(material)
+    """All of the file."""
+    for each in owners():
+        sync(each)
 
 
 def _readable(image: bpy.types.Image) -> str:

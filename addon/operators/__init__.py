@@ -14,11 +14,12 @@ from . import (
     preview_levelling,
     reflectance,
     setting_presets,
+    show_image,
 )
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
-    add_node, fit, asset_library,
+    add_node, fit, asset_library, show_image,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

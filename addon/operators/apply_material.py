@@ -12,8 +12,9 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 
 from ...precompute.errors import DiffractionError
 from .. import paths, properties, renderers
-from ..given import take
-from ..materials import lights, material, setup
+from ..given import is_given, take
+from ..lights import gather
+from ..materials import handlers, material, setup
 from ..versions import give_nodes, limits
 
 _FROM_PANEL = (
@@ -79,8 +80,15 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    dark_ground: BoolProperty(
+        name="Dark Ground",
+        description="Lay the colours over a dark pigment where the material is the untouched grey that Blender starts"
+        " with: over grey they drown",
+        options={"SKIP_SAVE"},
+    )
+
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not context.scene.diffraction.table_path:
             cls.poll_message_set("Bake a table first")
             return False
@@ -89,7 +97,13 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             return False
         return True
 
-    def execute(self, context):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """A person wants to see the colours; scripts say ``dark_ground=True``."""
+        if not is_given(self, "dark_ground"):
+            self.dark_ground = True
+        return self.execute(context)
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
         take(self, context.scene.diffraction, _FROM_PANEL)
         implementation, why = self.implementation, ""
         if implementation == "AUTO":
@@ -100,7 +114,6 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         settings = settings_from(self, implementation)
         table = paths.absolute(context.scene.diffraction.table_path)
         context.view_layer.update()  # new lamps are not yet in the layer
-        lamps = lights.lamp_objects(context.scene)
         setup.take_up(context.scene)
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
@@ -108,7 +121,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             targets = [ob for ob in context.selected_objects if _takes_material(ob)]
             shared = _shared(targets)
             copied = shared if self.own_copy else {}
-            made = _make(targets, copied, table.stem, lambda new: material.apply(new, table, settings, lamps))
+            fresh = {ob.active_material for ob in targets if self.dark_ground and untouched(ob.active_material)}
+            made = _make(targets, copied, fresh, table.stem, lambda new: material.apply(new, table, settings))
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -116,21 +130,24 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             manager.progress_end()
         for ob in targets:
             _give(ob, made[ob.active_material])
-        notes = setup.prepare_scene(context.scene, lamps, implementation == "OSL")
+        handlers.update_all()
+        found = handlers.search(context.scene)
+        notes = setup.prepare_scene(context.scene, implementation == "OSL")
         name = {"OSL": "OSL", "NODES": "Nodes"}[implementation]
         chosen = f"{len(made)} material{'s' * (len(made) != 1)} set up with {name}" + (
             f", because {why}" if why else ""
         )
+        if fresh:
+            notes.append("a dark pigment in place of Blender's untouched grey")
         self.report({"INFO"}, ". ".join([chosen, *notes]))
         for each, others in shared.items() if not self.own_copy else ():
             self.report({"WARNING"}, _changed_too(each, others))
-        if not lamps and context.scene.world is None:
+        if not found.chosen and context.scene.world is None:
             self.report({"WARNING"}, "The scene has no lamp: add one to see the colours")
         for sentence in limits():
             self.report({"INFO"}, sentence)
-        limit = min(map(material.lamps_max, made.values()))
-        if len(lamps) > limit:
-            self.report({"WARNING"}, lights.too_many(lamps, limit))
+        if found.left_out:
+            self.report({"WARNING"}, gather.too_many(found))
         return {"FINISHED"}
 
 
@@ -166,9 +183,9 @@ def set_up(scene: bpy.types.Scene, shown: bpy.types.Material, table: Path, setti
     DiffractionError
         If the table cannot be used.
     """
-    lamps = lights.lamp_objects(scene)
-    material.apply(shown, table, settings, lamps)
-    return setup.prepare_scene(scene, lamps, settings.implementation == "OSL")
+    material.apply(shown, table, settings)
+    handlers.update_all()
+    return setup.prepare_scene(scene, settings.implementation == "OSL")
 
 
 def _takes_material(ob: bpy.types.Object) -> bool:
@@ -190,6 +207,27 @@ def _shared(targets: list[bpy.types.Object]) -> dict[bpy.types.Material, list[bp
     return found
 
 
+def untouched(shown: bpy.types.Material | None) -> bool:
+    """Whether a material is as Blender makes it: one Principled shader, every socket at its default."""
+    tree = shown.node_tree if shown is not None else None
+    if tree is None or len(tree.nodes) != 2 or shown is None or shown.animation_data is not None:
+        return False
+    shader = next((node for node in tree.nodes if node.bl_idname == "ShaderNodeBsdfPrincipled"), None)
+    if shader is None or any(socket.is_linked for socket in shader.inputs) or tree.animation_data is not None:
+        return False
+    scratch = bpy.data.node_groups.new("scratch", "ShaderNodeTree")
+    try:
+        pristine = scratch.nodes.new("ShaderNodeBsdfPrincipled")
+        return all(_value(a) == _value(b) for a, b in zip(shader.inputs, pristine.inputs, strict=True))
+    finally:
+        bpy.data.node_groups.remove(scratch)
+
+
+def _value(socket: Any) -> Any:
+    value: Any = getattr(socket, "default_value", None)
+    return tuple(value) if hasattr(value, "__len__") and not isinstance(value, str) else value
+
+
 def _changed_too(each: bpy.types.Material, others: list[bpy.types.Object]) -> str:
     names = others[0].name if len(others) == 1 else f"{others[0].name} and {len(others) - 1} more"
     return f"{names} share{'s' * (len(others) == 1)} {each.name} and changed too; Own Copy below keeps them apart"
@@ -198,6 +236,7 @@ def _changed_too(each: bpy.types.Material, others: list[bpy.types.Object]) -> st
 def _make(
     targets: list[bpy.types.Object],
     copied: dict[bpy.types.Material, list[bpy.types.Object]],
+    fresh: set[bpy.types.Material | None],
     stem: str,
     apply: Callable[[bpy.types.Material], bpy.types.Material],
 ) -> dict[bpy.types.Material | None, bpy.types.Material]:
@@ -208,7 +247,7 @@ def _make(
         for old in dict.fromkeys(ob.active_material for ob in targets):
             if material.is_ours(old) and old.is_editable and old not in copied:
                 new = old
-            elif old is not None:
+            elif old is not None and old not in fresh:
                 new = old.copy()
                 new.name = old.name if material.is_ours(old) else f"{old.name} diffraction"
             else:
@@ -236,13 +275,13 @@ class DIFFRACTION_OT_restore_settings(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not setup.changes(context.scene):
             cls.poll_message_set("Nothing was changed")
             return False
         return True
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         count = setup.restore_scene(context.scene)
         self.report({"INFO"}, f"Restored {count} setting{'s' * (count != 1)}; Apply sets them again")
         return {"FINISHED"}

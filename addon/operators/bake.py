@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Any, cast
 
 import bpy
 from bpy.props import EnumProperty, StringProperty
@@ -11,12 +11,14 @@ from bpy.props import EnumProperty, StringProperty
 from ...precompute.errors import DiffractionError
 from .. import paths, properties
 from ..given import is_given
+from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy, has_scan
 from ..materials import refresh
 from ..preferences import bake_device, table_cache
 from ..tables import bake_settings, estimates, light_file, recipe, scan_store
 from ..tables.bake_job import BakeJob
 from ..tables.gpu.device import ITEMS
+from ..tables.table_state import texture_bytes
 
 
 class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
@@ -44,6 +46,10 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     illuminant_file: properties.illuminant_file()
     illuminant_data: properties.illuminant_data()
     limit_mb: properties.limit_mb()
+    substrate: properties.substrate()
+    films: properties.films()
+    lacquer: properties.lacquer()
+    energy: properties.energy()
     device: EnumProperty(
         name="Device",
         description="What computes the transforms; the preferences decide where it is left out",
@@ -53,10 +59,10 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     name: StringProperty(name="Name", description="Name of the table; empty takes the scan's", options={"SKIP_SAVE"})
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return has_scan(cls, context) and not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """One bake. What the caller left out is taken from the panel, what is used is shown there."""
         state = context.scene.diffraction
         given = is_given(self, "illuminant_file")
@@ -71,22 +77,23 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         device = self.device if is_given(self, "device") else bake_device()
         return [BakeJob(source, paths.data_folder(), name, chosen, reading, table_cache(), device)]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The table becomes the scene's, and materials that use it are brought up to it."""
         (result,) = results
         state = context.scene.diffraction
         bake_settings.copy(self, state)
         state.table_path = paths.relative(result.path)
         state.table_recipe = recipe.make(state)
-        estimates.learn(context.scene, result.seconds["total"])
+        if result.cache != "hit":  # a table from the cache says nothing of the machine's speed
+            estimates.learn(context.scene, result.seconds["total"])
         try:
-            refresh.refresh(result.path, context.scene, state.table_recipe)
+            refresh.refresh(result.path, state.table_recipe)
         except DiffractionError as error:
             self.report({"WARNING"}, str(error))
-        megabytes = result.table.layout.texel_bytes / 1e6
+        megabytes = texture_bytes(result.table.layout.texel_bytes) / 1e6
         terms, seconds = result.table.info["terms"], result.seconds["total"]
         by = "" if result.cache == "hit" else f" ({cast(BakeJob, self._jobs[0]).device})"
-        return f"Baked {result.path.name}: {megabytes:.0f} MB, {terms} terms, {seconds:.1f} s{by}"
+        return f"Baked {result.path.name}: {megabytes:.0f} MB of texture, {terms} terms, {seconds:.1f} s{by}"
 
 
 CLASSES = (DIFFRACTION_OT_bake,)

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from .. import paths, pictures, properties
 from ..given import take
-from ..jobs.job import Job
+from ..jobs.job import Job, Progress
 from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
 from ..tables.table_state import READY, table_state
@@ -27,16 +29,16 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
     linear: properties.map_linear()
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return has_table(cls, context) and not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """Load and evaluate, away from Blender."""
         take(self, context.scene.diffraction, ("theta", "phi", "size", "linear"), "map_")
         path = paths.absolute(context.scene.diffraction.table_path)
         theta, phi, size, linear = decimal(self.theta), decimal(self.phi), self.size, self.linear
 
-        def work(progress):
+        def work(progress: Progress) -> Any:
             from ...precompute.evaluate.directions import from_angles
             from ...precompute.evaluate.disc_map import brdf_map, map_to_srgb
             from ...precompute.light.colour import xyz_to_rgb
@@ -52,7 +54,7 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
 
         return [Job(work)]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The map becomes an image."""
         name = f"BRDF {paths.absolute(context.scene.diffraction.table_path).stem}"
         pictures.show(context, name, results[0], self.linear)

@@ -7,6 +7,7 @@ import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import bpy
 from bpy.props import EnumProperty, StringProperty
@@ -14,8 +15,10 @@ from bpy.props import EnumProperty, StringProperty
 from ...precompute.errors import DiffractionError, TableError
 from ...precompute.files.atomic import atomic_path
 from .. import paths
+from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
-from ..materials import lights, material, refresh, travel
+from ..materials import material, refresh, travel
+from ..materials.node import group
 from ..preferences import bake_device
 from ..tables import bake_settings, recipe, scan_store
 from ..tables.bake_job import BakeJob
@@ -52,7 +55,7 @@ class DIFFRACTION_OT_check_files(bpy.types.Operator):
     bl_idname = "diffraction.check_files"
     bl_label = "Check Files"
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         found = list(problems())
         for each, text in found:
             self.report({"WARNING"}, f"{each.name}: {text}")
@@ -72,36 +75,36 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
     scope: EnumProperty(name="Scope", description="Which tables", items=SCOPE_ITEMS)
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not any(material.is_ours(each) for each in bpy.data.materials):
             cls.poll_message_set("No material of this file has a table")
             return False
         return not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """A bake for each table."""
         self._targets = self._chosen(context)
         if not self._targets:
             raise TableError("No table is broken; choose the active material or all tables to bake them again.")
         return [self._job(users[0], place) for place, users in self._targets]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """Materials and scenes of each table follow."""
         for (place, users), result in zip(self._targets, results, strict=True):
-            made = users[0].get(recipe.KEY, "")
+            made = group.owner(users[0]).get(recipe.KEY, "")
             if result.path == place:
-                refresh.refresh(place, context.scene, made)
+                refresh.refresh(place, made)
             else:
                 for each in users:
-                    material.apply(each, result.path, material.settings_of(each), lights.lamp_objects(context.scene))
-                    each[recipe.KEY] = made
+                    material.set_table(each, result.path)
+                    group.owner(each)[recipe.KEY] = made
             for scene in bpy.data.scenes:
                 state = scene.diffraction
                 if state.table_path and paths.absolute(state.table_path) == place:
                     state.table_path, state.table_recipe = paths.relative(result.path), made
         return f"Baked {len(results)} table{'s' * (len(results) != 1)} again"
 
-    def _chosen(self, context) -> list[tuple[Path, list[bpy.types.Material]]]:
+    def _chosen(self, context: bpy.types.Context) -> list[tuple[Path, list[bpy.types.Material]]]:
         active = context.object.active_material if context.object is not None else None
         chosen = []
         for place, users in tables().items():
@@ -113,7 +116,7 @@ class DIFFRACTION_OT_rebake(Threaded, bpy.types.Operator):
         return chosen
 
     def _job(self, user: bpy.types.Material, place: Path) -> BakeJob:
-        made = recipe.of_material(user)
+        made = travel.recipe_of(user)
         if not made:
             raise TableError(
                 f"How the table {place.name} of {user.name} was made is not known; import its scan and bake it."
@@ -139,17 +142,17 @@ class DIFFRACTION_OT_find_files(bpy.types.Operator):
     directory: StringProperty(name="Folder", description="Where to look", subtype="DIR_PATH")
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not any(problems()):
             cls.poll_message_set("No table is missing")
             return False
         return True
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         folder = Path(bpy.path.abspath(self.directory))
         if not self.directory or not folder.is_dir():
             self.report({"ERROR"}, f"There is no folder '{self.directory}'; choose one that holds the tables.")
@@ -159,7 +162,7 @@ class DIFFRACTION_OT_find_files(bpy.types.Operator):
             place = next((p for p in folder.rglob(travel.home(each).name) if table_state(p).kind == READY), None)
             if place is not None and each.is_editable:
                 try:
-                    material.apply(each, place, material.settings_of(each), lights.lamp_objects(context.scene))
+                    material.set_table(each, place)
                 except DiffractionError as error:
                     self.report({"WARNING"}, str(error))
                     continue
@@ -176,13 +179,13 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not bpy.data.filepath:
             cls.poll_message_set("Save the .blend first")
             return False
         return not busy(cls)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         count = 0
         try:
             for scene in bpy.data.scenes:
@@ -197,7 +200,7 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
         self.report({"INFO"}, f"Copied {count} table{'s' * (count != 1)} to {paths.data_folder()}")
         return {"FINISHED"}
 
-    def _collect(self, context, place: Path, users: list[bpy.types.Material]) -> int:
+    def _collect(self, context: bpy.types.Context, place: Path, users: list[bpy.types.Material]) -> int:
         folder = paths.data_folder()
         if not users or place.parent == folder or table_state(material.table_path(users[0])).kind != READY:
             return 0
@@ -205,7 +208,7 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
         target = _free(folder, place, there)
         for source in (there, there.with_suffix(".json")):
             _copy(source, target.with_suffix(source.suffix))
-        scan = place.with_name(recipe.of_material(users[0]).get("scan") or place.with_suffix(".gsf").name)
+        scan = place.with_name(travel.recipe_of(users[0]).get("scan") or place.with_suffix(".gsf").name)
         if scan.is_file():
             _copy(scan, folder / scan.name)
         for scene in bpy.data.scenes:
@@ -213,10 +216,10 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
             if state.table_path and paths.absolute(state.table_path) == place:
                 state.table_path = paths.relative(target)
         for each in users:
-            made = each.get(recipe.KEY)
-            material.apply(each, target, material.settings_of(each), lights.lamp_objects(context.scene))
+            made = group.owner(each).get(recipe.KEY)
+            material.set_table(each, target)
             if made:
-                each[recipe.KEY] = made
+                group.owner(each)[recipe.KEY] = made
         return 1
 
     def _copy_linked(self, users: list[bpy.types.Material]) -> int:
@@ -245,8 +248,7 @@ def farm_copies(linked: bpy.types.Material) -> dict[Path, Path]:
     """
     if linked.library is None or material.shader_node(linked) is None or not material.needs_osl(linked):
         return {}
-    images = [linked.get(key) for key in (travel.ATLAS, travel.IMPORTANCE)]
-    found = [image.filepath for image in images if image is not None and image.filepath.startswith("//")]
+    found = [image.filepath for image in travel.images_of(linked) if image.filepath.startswith("//")]
     pairs = {paths.absolute(name, linked.library): paths.absolute(name) for name in found}
     return {there: here for there, here in pairs.items() if there != here and there.is_file()}
 
@@ -275,19 +277,20 @@ class DIFFRACTION_OT_use_material_scan(bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         active = context.object.active_material if context.object is not None else None
         if not material.is_ours(active):
             cls.poll_message_set("The active material has no table")
             return False
-        if not recipe.of_material(active):
+        if not travel.recipe_of(active):
             cls.poll_message_set("How this material's table was made is not known")
             return False
         return not busy(cls)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        assert context.object is not None and context.object.active_material is not None  # see `poll`
         active, state = context.object.active_material, context.scene.diffraction
-        place, made = travel.home(active), recipe.of_material(active)
+        place, made = travel.home(active), travel.recipe_of(active)
         try:
             source, _ = recipe.scan_of(made, place.parent)
         except DiffractionError as error:
@@ -299,7 +302,7 @@ class DIFFRACTION_OT_use_material_scan(bpy.types.Operator):
         state.reading, state.scan_info = made.get("reading", "{}"), made.get("info", "")
         state.imported = state.channels = ""
         bake_settings.recall(made.get("settings", {}), state)
-        state.table_path, state.table_recipe = paths.relative(place), active[recipe.KEY]
+        state.table_path, state.table_recipe = paths.relative(place), group.owner(active)[recipe.KEY]
         state.table_name = place.stem if place.stem != Path(made["scan"]).stem else ""
         self.report({"INFO"}, f"{place.stem}: {state.scan_info}")
         return {"FINISHED"}

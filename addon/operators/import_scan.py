@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import os
 from pathlib import Path
+from typing import Any
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
@@ -14,7 +15,7 @@ from bpy_extras.io_utils import ImportHelper
 from ...precompute.errors import ScanError
 from .. import paths
 from ..given import is_given
-from ..jobs.job import Job
+from ..jobs.job import Job, Progress
 from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
 from ..preferences import last_folder, remember_folder
@@ -36,7 +37,7 @@ class _Takes(Threaded):
 
     title = "Reading"
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The scene shows the scan."""
         (scan,) = results
         scan_store.adopt(context.scene, scan)
@@ -84,10 +85,10 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
     _browsed = False
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return not busy(cls)
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """Ask for a file, unless one was given."""
         if is_given(self, "filepath"):
             return Threaded.invoke(self, context, event)
@@ -97,7 +98,7 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
             self.filepath = os.path.join(folder, "")
         return ImportHelper.invoke(self, context, event)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         """Scripts wait. The file browser ends in this call too, and goes on with progress and Esc."""
         if not self._browsed:
             return Threaded.execute(self, context)
@@ -105,7 +106,7 @@ class DIFFRACTION_OT_import_scan(_Takes, bpy.types.Operator, ImportHelper):
         bpy.ops.diffraction.import_scan("INVOKE_DEFAULT", **self.as_keywords(ignore=("check_existing", "filter_glob")))
         return {"CANCELLED"}  # of this call; the other one reports and pushes the undo step
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """Read and store."""
         width, height = (decimal(size) * 1e-6 for size in self.size_um)
         size_m = (width, height) if any(self.size_um) else None
@@ -125,7 +126,7 @@ class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
     bl_label = "Channel"
     bl_options = {"REGISTER", "UNDO"}
 
-    def _items(self, context):
+    def _items(self: Any, context: Any) -> list[tuple[str, str, str]]:
         names = json.loads(context.scene.diffraction.channels or "[]") if context is not None else []
         _kept_items[:] = [(str(index), name, "") for index, name in enumerate(names)]
         return _kept_items
@@ -133,7 +134,7 @@ class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
     channel: EnumProperty(name="Channel", description="Channels of the imported file", items=_items)
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         state = context.scene.diffraction
         if len(json.loads(state.channels or "[]")) < 2:
             cls.poll_message_set("The scan has no other channel")
@@ -143,7 +144,7 @@ class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
             return False
         return not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """Read and store."""
         before = json.loads(context.scene.diffraction.imported)
         size_m = tuple(before["size_m"]) if "size_m" in before else None
@@ -151,7 +152,7 @@ class DIFFRACTION_OT_choose_channel(_Takes, bpy.types.Operator):
         # A height range belongs to one channel only.
         trusted = bool(before.get("trust_units"))
 
-        def take(done) -> scan_store.Stored:
+        def take(done: Progress) -> scan_store.Stored:
             return scan_store.import_scan(folder, path, size_m, None, channel, progress=done, trusted=trusted)
 
         return [Job(take)]
@@ -167,13 +168,13 @@ class DIFFRACTION_OT_use_stored_scan(_Takes, bpy.types.Operator):
     name: StringProperty(name="Name", description="Name of the stored scan, without .gsf")
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         if not scan_store.stored_scans():
             cls.poll_message_set("No scan is stored with this file yet")
             return False
         return not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """Read it."""
         found = [path for path in scan_store.stored_scans() if path.stem == self.name]
         if not found:

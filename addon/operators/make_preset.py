@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ...precompute.presets import PRESETS, look_of, make_preset
 from .. import paths, preset_properties, properties
 from ..given import is_given, take
-from ..jobs.job import Job
+from ..jobs.job import Job, Progress
 from ..jobs.threaded import Threaded, busy
 from ..numbers import decimal
 from ..tables import bake_settings, scan_store
@@ -35,22 +37,22 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return not busy(cls)
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         for name in ("preset", *(p.name for p in PRESETS[self.preset].parameters), "size_um", "pixels", "look"):
             layout.prop(self, name)
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """By a button or the search a person chooses a look; scripts say ``look=True``."""
         if not is_given(self, "look"):
             self.look = True
         return Threaded.invoke(self, context, event)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """Make and store."""
         state = context.scene.diffraction
         take(self, state, ("preset",))
@@ -63,12 +65,12 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
             values[each] = decimal(value) if isinstance(value, float) else value
         size_m, pixels, folder = decimal(self.size_um) * 1e-6 or None, self.pixels or None, paths.data_folder()
 
-        def work(progress):
+        def work(progress: Progress) -> Any:
             return scan_store.store_preset(folder, name, lambda: make_preset(name, size_m, pixels, **values), progress)
 
         return [Job(work)]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The scene shows the structure."""
         (scan,) = results
         scan_store.adopt(context.scene, scan)

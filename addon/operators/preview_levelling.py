@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from .. import pictures, properties
 from ..given import take
-from ..jobs.job import Job
+from ..jobs.job import Job, Progress
 from ..jobs.threaded import Threaded, busy, has_scan
 from ..tables import bake_settings, scan_store
 
@@ -32,10 +34,10 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
     tile: properties.tile()
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return has_scan(cls, context) and not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """Read, prepare and draw, away from Blender."""
         from dataclasses import replace
 
@@ -43,7 +45,7 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
         source, reading = scan_store.bake_source(context.scene)
         chosen = replace(bake_settings.parameters(context.scene.diffraction), **bake_settings.levelling(self))
 
-        def work(progress):
+        def work(progress: Progress) -> Any:
             from ...precompute.readers import read_scan
             from ...precompute.scan.levelling_picture import levelling_picture
             from ...precompute.scan.preparation import prepare
@@ -59,7 +61,7 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
 
         return [Job(work)]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The picture becomes an image."""
         ((picture, warnings),) = results
         pictures.show(context, IMAGE, picture)

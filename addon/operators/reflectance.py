@@ -6,13 +6,14 @@ from __future__ import annotations
 import math
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
 
 from .. import pictures, properties
 from ..given import take
-from ..jobs.job import Job
+from ..jobs.job import Job, Progress
 from ..jobs.threaded import Threaded, busy, has_scan
 from ..numbers import decimal
 from ..tables import bake_settings, scan_store
@@ -36,10 +37,10 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
     order: properties.plot_order()
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return has_scan(cls, context) and not busy(cls)
 
-    def jobs(self, context):
+    def jobs(self, context: bpy.types.Context) -> list[Job]:
         """Read, prepare, sum and draw, away from Blender."""
         take(self, context.scene.diffraction, ("theta", "order"), "plot_")
         source, reading = scan_store.bake_source(context.scene)
@@ -47,7 +48,7 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
         theta, order = decimal(self.theta), self.order
         folder = Path(bpy.app.tempdir or tempfile.gettempdir())
 
-        def work(progress):
+        def work(progress: Progress) -> Any:
             from ...precompute.errors import ParameterError
             from ...precompute.evaluate import reflectance
             from ...precompute.evaluate.reflectance_plot import save_plot
@@ -74,7 +75,7 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
 
         return [Job(work)]
 
-    def finished(self, context, results):
+    def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The plot becomes an image."""
         ((path, mean, spread, period),) = results
         pictures.show_file(context, IMAGE, path)

@@ -51,7 +51,7 @@ class DIFFRACTION_OT_structure_preset_add(AddPresetBase, bpy.types.Operator):
     preset_defines = [_STATE]
 
     @property
-    def preset_values(self):
+    def preset_values(self) -> list[str]:
         """The choice, and the parameters of the chosen structure alone."""
         chosen = bpy.context.scene.diffraction.preset
         own = [f"state.presets.{chosen}.{parameter.name}" for parameter in PRESETS[chosen].parameters]

@@ -12,8 +12,8 @@ from .. import paths
 from ..jobs import progress
 from ..operators.setting_presets import DIFFRACTION_MT_bake_presets
 from ..tables import bake_settings, estimates, light_file
-from ..tables.table_state import NONE, READY, TableState, table_state
-from .sidebar import Sidebar, Stage, duration, file_name, megabytes, note, split, vector
+from ..tables.table_state import NONE, READY, TableState, table_state, texture_bytes
+from .sidebar import Sidebar, Stage, button, duration, file_name, megabytes, note, number, split, vector
 
 
 class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
@@ -22,12 +22,12 @@ class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
     bl_label = "Bake"
     bl_order = 3
 
-    def draw_header_preset(self, context):
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
         row = self.layout.row(align=True)
         row.menu(DIFFRACTION_MT_bake_presets.__name__, text="", icon="PRESET")
         row.operator("diffraction.bake_preset_add", text="", icon="ADD")
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None
@@ -35,18 +35,37 @@ class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
         if state.ensemble == "periodic":
             vector(column, state, "replicas")
         else:
-            column.prop(state, "sigma_s_um")
+            number(column, state, "sigma_s_um", "auto")
         column.prop(state, "detail")
         if state.scan_path:
             _estimate(layout, context.scene)
-        now = progress.running()
         found = scene_table(context.scene)
-        if now is not None:
-            layout.progress(factor=now.fraction, text=f"{now.text}, Esc stops")
-        else:
-            again = found.kind != NONE
-            layout.operator("diffraction.bake", icon="RENDER_STILL", text="Bake Again" if again else "Bake")
+        again = found.kind != NONE
+        button(layout, "diffraction.bake", icon="RENDER_STILL", text="Bake Again" if again else "Bake")
         _table(layout, state, found)
+
+
+class DIFFRACTION_PT_bake_stuff(Sidebar, bpy.types.Panel):
+    """What the surface is made of: its reflectance goes into the table"""
+
+    bl_label = "Material of the Surface"
+    bl_parent_id = "DIFFRACTION_PT_bake"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout, state = split(self.layout), context.scene.diffraction
+        layout.enabled = progress.running() is None
+        for name in ("substrate", "films", "lacquer"):
+            layout.prop(state, name)
+        try:
+            made = bake_settings.stuff(state.substrate, state.films, state.lacquer)
+        except DiffractionError as error:
+            note(layout, str(error), "ERROR")
+            return
+        if made["stack"] is not None:
+            layout.prop(state, "stack_colour")
+            for text in made["stack"].notes:
+                note(layout, text)
 
 
 class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
@@ -56,14 +75,14 @@ class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_bake"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         layout.enabled = progress.running() is None
         layout.prop(state, "table_name")
         layout.prop(state, "illuminant")
         if state.illuminant == light_file.FILE:
             _light(layout, state)
-        for name in ("series", "tolerance", "limit_mb"):
+        for name in ("series", "tolerance", "energy", "limit_mb"):
             layout.prop(state, name)
 
 
@@ -94,9 +113,11 @@ def _estimate(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
         cost = found.cost
         column = layout.column(align=True)
         column.label(text=f"About {duration(estimates.seconds(found))}, {cost.nodes} terms", icon="TIME")
-        column.label(text=f"{megabytes(cost.memory_bytes)} of memory while baking", icon="MEMORY")
+        column.label(text=f"{megabytes(cost.memory_bytes)} of memory to bake", icon="MEMORY")
         column.label(text=f"{megabytes(cost.disk_bytes)} on disk", icon="DISK_DRIVE")
-        column.label(text=f"{megabytes(cost.texel_bytes)} of texture when rendering", icon="TEXTURE")
+        column.label(text=f"{megabytes(texture_bytes(cost.texel_bytes))} of texture to render", icon="TEXTURE")
+        if scene.diffraction.sigma_s_um == 0 and scene.diffraction.ensemble != "periodic":
+            column.label(text=f"Coherence {found.sigma_s_m * 1e6:.3g} um", icon="LIGHT_SUN")
 
 
 def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:
@@ -106,10 +127,10 @@ def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:
         note(layout, f"{found.text}. Bake it again", "ERROR")
         return
     column = layout.column(align=True)
-    column.label(text=file_name(state.table_path), icon="CHECKMARK")
+    note(column, file_name(state.table_path), "CHECKMARK")
     column.label(text=found.summary, icon="BLANK1")
-    if found.info.get("albedo_max", 0.0) > 1.0:
-        note(column, f"Albedo up to {found.info['albedo_max']:.2f} without energy conservation", "BLANK1")
+    if found.info.get("albedo_max", 0.0) > 1.0 and not state.conserve_energy:
+        note(column, "At grazing angles it would reflect more light than it gets: switch Conserve Energy on", "ERROR")
     changed = bake_settings.changed(state.table_recipe, state)
     if changed:
         note(
@@ -119,4 +140,4 @@ def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:
         )
 
 
-CLASSES = (DIFFRACTION_PT_bake, DIFFRACTION_PT_bake_advanced)
+CLASSES = (DIFFRACTION_PT_bake, DIFFRACTION_PT_bake_stuff, DIFFRACTION_PT_bake_advanced)

@@ -73,7 +73,10 @@ _PAGES = (
 
 def manual() -> tuple[str, list[tuple[str, str]]]:
     """Blender's hook: the guide that lies with the extension."""
-    return Path(manual_page("")).as_uri() + "/", [(pattern.lower(), f"{page}.html") for pattern, page in _PAGES]
+    folder, ending = Path(manual_page("")), "html"
+    if not folder.is_dir():  # a checkout
+        folder, ending = folder.with_name("docs") / "guide", "md"
+    return folder.as_uri() + "/", [(pattern.lower(), f"{page}.{ending}") for pattern, page in _PAGES]
 
 
 def command(arguments: list[str]) -> int:

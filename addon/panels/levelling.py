@@ -9,7 +9,7 @@ from .. import pictures
 from ..jobs import progress
 from ..operators.preview_levelling import IMAGE
 from ..tables import estimates
-from .sidebar import Stage, note, split, vector
+from .sidebar import Stage, button, note, number, split, vector
 
 
 class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
@@ -18,18 +18,23 @@ class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
     bl_label = "Levelling"
     bl_order = 2
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         column = layout.column()
         column.enabled = progress.running() is None
-        for name in ("level", "align_rows", "clip_percent", "smooth_nm", "tile", "use_crop"):
-            column.prop(state, name)
+        column.prop(state, "level")
+        column.prop(state, "align_rows")
+        number(column, state, "clip_percent", "off")
+        number(column, state, "smooth_nm", "off")
+        column.prop(state, "tile")
+        column.prop(state, "use_crop")
         if state.use_crop:
             vector(column, state, "crop_um")
-        layout.operator("diffraction.preview_levelling", icon="HIDE_OFF")
+        button(layout, "diffraction.preview_levelling", icon="HIDE_OFF")
         icon = pictures.preview_icon(IMAGE)
         if icon:
-            layout.template_icon(icon_value=icon, scale=11.0)
+            layout.template_icon(icon_value=icon, scale=12.0)
+            layout.operator("diffraction.show_image", icon="WINDOW").name = IMAGE
         found = estimates.estimate(context.scene)
         for warning in found.warnings if found is not None else ():
             note(layout, warning, "ERROR")

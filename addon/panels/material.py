@@ -14,7 +14,7 @@ from ..operators import fit
 from ..operators.files import farm_copies, is_fresh, tables
 from ..tables.table_state import READY, table_state
 from .bake import scene_table
-from .sidebar import Sidebar, Stage, file_name, megabytes, note, split
+from .sidebar import Sidebar, Stage, button, file_name, megabytes, note, number, split
 
 
 class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
@@ -23,7 +23,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
     bl_label = "Material"
     bl_order = 4
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         layout.prop(state, "implementation")
         implementation = state.implementation
@@ -31,7 +31,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
             implementation, why = renderers.choose(context.scene, background=False)
             note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {why}")
         if implementation == "NODES":
-            note(layout, "Up to 8 lamps, by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
+            note(layout, "Lamps by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
         layout.prop(state, "fresnel")
         if state.fresnel == "DIELECTRIC":
             layout.prop(state, "ior")
@@ -46,7 +46,7 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout.prop(state, "rotation")
         layout.prop(state, "conserve_energy")
         if implementation == "OSL":
-            layout.prop(state, "environment")
+            number(layout, state, "environment", "off")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
         if fit.misfits(context.scene):
             note(layout, fit.why(context.scene), "ERROR")
@@ -65,7 +65,7 @@ class DIFFRACTION_PT_assets(Sidebar, bpy.types.Panel):
 
     def draw(self, context: bpy.types.Context) -> None:
         note(self.layout, "Snakes, discs, gratings and foils as ready materials with pictures; some minutes of work")
-        self.layout.operator("diffraction.make_asset_library", icon="ASSET_MANAGER")
+        button(self.layout, "diffraction.make_asset_library", icon="ASSET_MANAGER")
 
 
 class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
@@ -75,7 +75,7 @@ class DIFFRACTION_PT_active(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_material"
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         active = _active(context)
         return material.is_ours(active) and material.shader_node(active) is not None
 
@@ -106,10 +106,33 @@ def draw_active(layout: bpy.types.UILayout, active: bpy.types.Material) -> None:
         row = layout.row()
         row.label(text=f"Shown by {active.users - active.use_fake_user} objects")
         row.operator("diffraction.apply_material", text="Own Copy", icon="DUPLICATE").own_copy = True
+    _switches(layout, node)
     for name in material.LIVE_SOCKETS:
         socket = node.inputs.get(name)
-        if socket is not None and not socket.is_linked:
+        if socket is not None and not socket.is_linked and not _without_effect(name, node, active):
             layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
+
+
+def _switches(layout: bpy.types.UILayout, node: Any) -> None:
+    """Fresnel and energy, which the node keeps as numbers, as buttons."""
+    path = f'object.active_material.node_tree.nodes["{node.name}"].inputs'
+    fresnel, energy = (node.inputs.get(name) for name in ("Fresnel", "ConserveEnergy"))
+    if fresnel is not None and not fresnel.is_linked:
+        row = layout.row(align=True)
+        for value, text in ((1, "Dielectric"), (2, "Conductor"), (0, "All")):
+            choice = row.operator("wm.context_set_int", text=text, depress=fresnel.default_value == value)
+            choice.data_path, choice.value = f'{path}["Fresnel"].default_value', value
+    if energy is not None and not energy.is_linked:
+        icon = "CHECKBOX_HLT" if energy.default_value else "CHECKBOX_DEHLT"
+        choice = layout.operator("wm.context_set_int", text="Conserve Energy", icon=icon)
+        choice.data_path, choice.value = f'{path}["ConserveEnergy"].default_value', 1 - energy.default_value
+
+
+def _without_effect(name: str, node: Any, active: bpy.types.Material) -> bool:
+    """Whether a socket does nothing here: nodes have no environment, a conductor no index of refraction."""
+    if name == "Environment":
+        return not material.needs_osl(active)
+    return name == "IOR" and node.inputs["Fresnel"].default_value != 1
 
 
 class DIFFRACTION_PT_material_tab(bpy.types.Panel):
@@ -126,7 +149,7 @@ class DIFFRACTION_PT_material_tab(bpy.types.Panel):
         return context.object is not None and context.object.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
     def draw(self, context: bpy.types.Context) -> None:
-        layout, active = self.layout, context.material
+        layout, active = self.layout, getattr(context, "material", None)
         if material.is_ours(active) and material.shader_node(active) is not None:
             draw_active(layout, active)
             return
@@ -145,10 +168,10 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return material.any_ours()
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, total, broken, outside, linked = self.layout, 0, False, False, False
         for place, users in tables().items():
             found = table_state(material.table_path(users[0]))
@@ -157,9 +180,9 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             broken |= not ready
             outside |= ready and users[0].is_editable and place.parent != paths.data_folder()
             linked |= any(not is_fresh(here, there) for each in users for there, here in farm_copies(each).items())
-            row = layout.row()
-            row.label(text=f"{file_name(place.name)} ({len(users)})", icon="TEXTURE" if ready else "ERROR")
-            row.label(text=megabytes(found.texture_bytes) if ready else found.kind.title())
+            size = megabytes(found.texture_bytes) if ready else found.kind.title()
+            count = f"{len(users)} material{'s' * (len(users) != 1)}"
+            note(layout, f"{file_name(place.name)}: {size}, {count}", "TEXTURE" if ready else "ERROR")
         layout.label(text=f"{megabytes(total)} of texture in all")
         if broken:
             layout.operator("diffraction.rebake", text="Bake Broken Again", icon="FILE_REFRESH").scope = "BROKEN"
@@ -180,10 +203,10 @@ class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod
-    def poll(cls, context):
+    def poll(cls, context: bpy.types.Context) -> bool:
         return bool(setup.changes(context.scene))
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         for text in setup.changes(context.scene):
             self.layout.label(text=text, icon="CHECKMARK")
         self.layout.operator("diffraction.restore_settings", icon="LOOP_BACK")

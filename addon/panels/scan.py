@@ -11,7 +11,7 @@ from ...precompute.presets import PRESETS, look_of
 from .. import paths
 from ..operators.setting_presets import DIFFRACTION_MT_structure_presets
 from ..tables import scan_store
-from .sidebar import Sidebar, Stage, file_name, note, split
+from .sidebar import Sidebar, Stage, button, file_name, note, number, split
 
 
 class DIFFRACTION_PT_scan(Stage, bpy.types.Panel):
@@ -20,16 +20,16 @@ class DIFFRACTION_PT_scan(Stage, bpy.types.Panel):
     bl_label = "Scan"
     bl_order = 1
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = self.layout, context.scene.diffraction
         row = layout.row(align=True)
-        row.operator("diffraction.import_scan", icon="FILEBROWSER", text="Import...")
+        button(row, "diffraction.import_scan", icon="FILEBROWSER", text="Import...")
         row.menu("DIFFRACTION_MT_stored_scans", text="", icon="DOWNARROW_HLT")
         if not state.scan_path:
             note(layout, "Import a scan, or take a preset structure below")
             return
         box = layout.column(align=True)
-        box.label(text=file_name(state.scan_path), icon="MESH_GRID")
+        note(box, file_name(state.scan_path), "MESH_GRID")
         for line in state.scan_info.split(", "):
             box.label(text=line, icon="BLANK1")
         if len(json.loads(state.channels or "[]")) > 1:
@@ -43,7 +43,7 @@ class DIFFRACTION_MT_stored_scans(bpy.types.Menu):
 
     bl_label = "Stored Scans"
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout = self.layout
         found = scan_store.stored_scans()
         for path in found:
@@ -59,12 +59,12 @@ class DIFFRACTION_PT_preset(Sidebar, bpy.types.Panel):
     bl_parent_id = "DIFFRACTION_PT_scan"
     bl_options = {"DEFAULT_CLOSED"}
 
-    def draw_header_preset(self, context):
+    def draw_header_preset(self, context: bpy.types.Context) -> None:
         row = self.layout.row(align=True)
         row.menu(DIFFRACTION_MT_structure_presets.__name__, text="", icon="PRESET")
         row.operator("diffraction.structure_preset_add", text="", icon="ADD")
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         layout, state = split(self.layout), context.scene.diffraction
         if not bpy.app.background:
             layout.template_icon_view(state, "preset", show_labels=True, scale=5.0, scale_popup=5.0)
@@ -74,13 +74,13 @@ class DIFFRACTION_PT_preset(Sidebar, bpy.types.Panel):
         for parameter in preset.parameters:
             column.prop(values, parameter.name)
         column = layout.column(align=True)
-        column.prop(state, "preset_size_um")
-        column.prop(state, "preset_pixels")
-        button = layout.operator("diffraction.make_preset", icon="MOD_OCEAN")
-        button.look = True
-        button.preset, button.size_um, button.pixels = state.preset, state.preset_size_um, state.preset_pixels
+        number(column, state, "preset_size_um", "auto")
+        number(column, state, "preset_pixels", "auto")
+        chosen = button(layout, "diffraction.make_preset", icon="MOD_OCEAN")
+        chosen.look = True
+        chosen.preset, chosen.size_um, chosen.pixels = state.preset, state.preset_size_um, state.preset_pixels
         for parameter in preset.parameters:
-            setattr(button, parameter.name, getattr(values, parameter.name))
+            setattr(chosen, parameter.name, getattr(values, parameter.name))
         note(layout, f"Also sets: {look_of(state.preset).summary()}")
         note(layout, preset.source, "BOOKMARKS")
 

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 import textwrap
+from types import SimpleNamespace
+from typing import Any
 
 import bpy
 
@@ -54,6 +56,33 @@ def note(layout: bpy.types.UILayout, text: str, icon: str = "INFO") -> None:
         column.label(text=line, icon=icon if index == 0 else "BLANK1")
 
 
+def button(layout: bpy.types.UILayout, name: str, **options: Any) -> Any:
+    """A button, or while its operator runs the progress in its place, so that nothing jumps.
+
+    Returns
+    -------
+    OperatorProperties
+        To set what it passes; while it runs nobody reads what is set there.
+    """
+    now = progress.running()
+    if now is not None and now.owner == name:
+        layout.progress(factor=now.fraction, text=f"{now.text}, Esc stops")
+        return SimpleNamespace()
+    return layout.operator(name, **options)
+
+
+def number(layout: bpy.types.UILayout, owner: bpy.types.bpy_struct, name: str, zero: str) -> None:
+    """A number whose 0 has a meaning, said beside it."""
+    if getattr(owner, name) != 0:
+        layout.prop(owner, name)
+        return
+    row = layout.row(align=True)
+    row.prop(owner, name)
+    word = row.row()
+    word.ui_units_x = 2.6
+    word.label(text=zero)
+
+
 def file_name(path: str) -> str:
     """Last part of a path that may begin with ``//``."""
     return bpy.path.basename(path.removeprefix("//"))
@@ -76,10 +105,8 @@ class DIFFRACTION_PT_main(Sidebar, bpy.types.Panel):
 
     bl_label = "Diffraction"
 
-    def draw(self, context):
-        layout, now = self.layout, progress.running()
-        if now is not None:
-            layout.progress(factor=now.fraction, text=f"{now.text}, Esc stops")
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
         if context.scene.diffraction.message:
             note(layout, context.scene.diffraction.message, "ERROR")
 

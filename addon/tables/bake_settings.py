@@ -7,6 +7,8 @@ import json
 from typing import Any
 
 from ...precompute.parameters import BakeParameters
+from ...precompute.stack import material_of, parse_stack, split_films
+from .. import paths
 from ..given import is_given
 from ..numbers import decimal
 from . import light_file
@@ -17,7 +19,7 @@ LEVELLING = ("use_crop", "crop_um", "level", "align_rows", "clip_percent", "smoo
 #: Properties that decide a bake, on the scene and on the operator, in the order of the panel.
 FIELDS = (
     *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "illuminant", "illuminant_file",
-    "illuminant_data", "series", "tolerance", "limit_mb",
+    "illuminant_data", "series", "tolerance", "limit_mb", "substrate", "films", "lacquer", "energy",
 )  # fmt: skip
 
 
@@ -43,7 +45,29 @@ def parameters(owner: Any) -> BakeParameters:
         illuminant=light_file.illuminant(owner),
         detail=decimal(owner.detail),
         limit_bytes=owner.limit_mb * 1_000_000,
+        **stuff(owner.substrate, owner.films, owner.lacquer),
+        energy=owner.energy,
     )
+
+
+def stuff(substrate: str, films: str, lacquer: str) -> dict[str, Any]:
+    """The core's parameters of the surface's stuff, as the panel has it typed; files may be relative to the .blend.
+
+    Raises
+    ------
+    ParameterError
+        If there is no such material or film.
+    """
+    layer = _file(lacquer)
+    return {
+        "stack": parse_stack(_file(substrate), [_file(film) for film in split_films(films)]),
+        "lacquer": material_of(layer) if layer else None,
+    }
+
+
+def _file(text: str) -> str:
+    text = text.strip()
+    return str(paths.absolute(text)) if text.startswith("//") else text
 
 
 def levelling(owner: Any) -> dict[str, Any]:

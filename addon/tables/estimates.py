@@ -12,6 +12,7 @@ import bpy
 
 from ...precompute.errors import DiffractionError
 from .. import paths
+from ..jobs.threaded import redraw_sidebars
 from . import bake_settings, recipe
 
 
@@ -87,7 +88,7 @@ def learn(scene: bpy.types.Scene, measured_s: float) -> None:
         _speed = min(max(measured_s / found.cost.seconds, 0.1), 10.0)
 
 
-def _make(key: str, folder, chosen) -> Estimate:
+def _make(key: str, folder: Any, chosen: Any) -> Estimate:
     from ...precompute.bake.baking import resolve_sigma_s
     from ...precompute.bake.cost import bake_cost
     from ...precompute.readers import read_scan
@@ -115,10 +116,7 @@ def _watch() -> float | None:
     """Timer: redraw the sidebar once an estimate is there."""
     if _at_work:
         return 0.1
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+    redraw_sidebars(bpy.context)
     return None
 
 

@@ -17,7 +17,7 @@ import bpy
 from ...precompute.errors import ScanError
 from . import bake_settings
 
-#: Custom property of materials of ours that holds the recipe of their table.
+#: Custom property of the materials' groups that holds the recipe of their table.
 KEY = "diffraction_recipe"
 
 
@@ -36,10 +36,10 @@ def make(state: Any) -> str:
     )
 
 
-def of_material(material: bpy.types.Material) -> dict[str, Any]:
-    """The recipe of a material's table; empty where it has none."""
+def of(owner: bpy.types.ID) -> dict[str, Any]:
+    """The recipe of the table of a group or a material; empty where it has none."""
     try:
-        return dict(json.loads(material.get(KEY, "{}")))
+        return dict(json.loads(owner.get(KEY, "{}")))
     except ValueError:
         return {}
 

@@ -43,7 +43,7 @@ class TableState:
         """Texture memory of the table and of the image that directs rays; 0 where it is not ready."""
         if self.layout is None:
             return 0
-        return self.layout.texel_bytes + WIDTH * HEIGHT * 16  # floats, RGB padded to RGBA
+        return texture_bytes(self.layout.texel_bytes)
 
     @property
     def summary(self) -> str:
@@ -51,6 +51,11 @@ class TableState:
         if self.layout is None:
             return ""
         return f"{self.texture_bytes / 1e6:.0f} MB of texture, {self.info.get('terms', 0)} terms"
+
+
+def texture_bytes(texel_bytes: int) -> int:
+    """Texture memory of a table of so many bytes, with the image that directs rays: floats, RGB padded to RGBA."""
+    return texel_bytes + WIDTH * HEIGHT * 16
 
 
 _seen: dict[Path, tuple[tuple, TableState]] = {}

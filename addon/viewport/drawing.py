@@ -150,8 +150,9 @@ class Renderer:
         self.message, self._failed = message, attempt
 
     def _draw(
-        self, listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around
-    ) -> int:
+        self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
+        view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
+    ) -> int:  # fmt: skip
         import gpu
 
         self.message = ""
@@ -201,7 +202,7 @@ class Renderer:
 
     def _bind(
         self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool, sky: Any, wait: bool
-    ):
+    ) -> Any:
         """The shader of a material, with all that it reads."""
         import gpu
 
@@ -236,7 +237,7 @@ class Renderer:
             shader.uniform_sampler("df_terms", series.terms)
         return shader
 
-    def _uniform(self, key: tuple, rows: np.ndarray):
+    def _uniform(self, key: tuple, rows: np.ndarray) -> Any:
         """A uniform buffer with these rows, the last one where nothing changed."""
         content = rows.tobytes()
         held = self._uniforms.get(key)
@@ -248,7 +249,7 @@ class Renderer:
         self._uniforms[key] = held
         return held[1]
 
-    def _listing(self, depsgraph, visible, list_key, skips_nodes) -> _Listing:
+    def _listing(self, depsgraph: bpy.types.Depsgraph, visible: Any, list_key: Hashable, skips_nodes: bool) -> _Listing:
         scene = depsgraph.scene.original
         key = (scene.session_uid, depsgraph.view_layer.name, list_key, skips_nodes)
         version = self.version
@@ -289,5 +290,4 @@ class Renderer:
 
 
 def _is_of_nodes(shaded: bpy.types.Material) -> bool:
-    node = material.shader_node(shaded)
-    return node is not None and node.bl_idname == "ShaderNodeGroup"
+    return material.shader_node(shaded) is not None and not material.needs_osl(shaded)

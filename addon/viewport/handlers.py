@@ -62,13 +62,13 @@ def _updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = Non
 
 
 @persistent
-def _replaced(*_) -> None:
+def _replaced(*_: object) -> None:
     """Undo or another file: nothing that was read before can be trusted."""
     renderer.note(None)
 
 
 @persistent
-def _before_load(*_) -> None:
+def _before_load(*_: object) -> None:
     renderer.clear()
 
 

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..materials import lights
+from ..lights import lamps as lights
 from ..materials.osl import LAMP_KINDS, LAMPS_MAX
 
 #: Directions (in the view's axes) and strengths of the lamps that stand in where a scene has none.

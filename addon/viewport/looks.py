@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -14,6 +15,7 @@ from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
 from ...precompute.table.layout import TableLayout
 from ..colour_spaces import working_space
 from ..materials import material
+from ..materials import pigment as pigments
 from ..materials.osl import FRESNEL
 from .data import orientation
 from .data.blocks import Surface
@@ -71,6 +73,8 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
         environment=bool(value("Environment", 0)),
         brightness=float(value("Brightness", 1.0)) * view.brightness,
     )
+    if layout.holds_reflectance:
+        look.kept = np.clip(np.array(info["reflectance_xyz"], float) @ look.to_rgb.T, 0.0, 1.0)
     turned = orientation.angle_image(shaded)
     if turned is not None:
         look.angle_image, look.rotation = True, turned[1]
@@ -89,7 +93,7 @@ def relative_gain(info: dict, look: Surface) -> float:
     area = coherence_area((rows, cols), size_x / cols, size_y / rows, parameters["sigma_s_m"], parameters["ensemble"])
     normal = np.array([0.0, 0.0, 1.0])
     gain = float(relative_colour_factor(normal, normal, area, info["colour"]["illuminant"]))
-    if look.fresnel == "DIELECTRIC":
+    if look.fresnel == "DIELECTRIC" and not look.layout.holds_reflectance:
         gain /= max(((look.ior - 1.0) / (look.ior + 1.0)) ** 2, 1e-6)
     return gain
 
@@ -97,13 +101,7 @@ def relative_gain(info: dict, look: Surface) -> float:
 def pigment(node: bpy.types.Node | None) -> tuple[float, float, float]:
     """Colour of the diffuse shader underneath, as far as the nodes tell it without being evaluated."""
     base = node.inputs.get("Base") if node is not None else None
-    below = base.links[0].from_node if base is not None and base.links else None
-    if below is not None:
-        for name in ("Base Color", "Color"):
-            socket = below.inputs.get(name)
-            if socket is not None and not socket.links:
-                return tuple(socket.default_value)[:3]
-    return (0.0, 0.0, 0.0)
+    return (pigments.colour_of(base) if base is not None else None) or (0.0, 0.0, 0.0)
 
 
 class _Sockets:
@@ -112,7 +110,7 @@ class _Sockets:
     def __init__(self, node: bpy.types.Node | None) -> None:
         self._node = node
 
-    def __call__(self, name: str, default):
+    def __call__(self, name: str, default: Any) -> Any:
         socket = self._node.inputs.get(name) if self._node is not None else None
         return default if socket is None or not hasattr(socket, "default_value") else socket.default_value
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
@@ -217,7 +218,7 @@ def pixel_offsets(count: int, width: float) -> np.ndarray:
     return (np.interp(places, share, x) - 0.5) * width
 
 
-def read(target) -> np.ndarray:
+def read(target: Any) -> np.ndarray:
     """``(height, width, 4)`` float32 of an offscreen, row 0 at the bottom."""
     pixels = target.texture_color.read()
     pixels.dimensions = target.width * target.height * 4

@@ -66,7 +66,7 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
     )
     transparent: BoolProperty(name="Transparent", description="No background", default=False)
 
-    def invoke(self, context, event):
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """A button: what this view shows, as an image that a window shows."""
         self.eye = "VIEW"
         self.filepath = ""
@@ -75,13 +75,13 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
         self.width = self.height = 0
         return self._draw(context, to_window=True)
 
-    def execute(self, context):
+    def execute(self, context: bpy.types.Context) -> set[str]:
         if not self.filepath:
             self.report({"ERROR"}, "There is no file to write to; give filepath=.")
             return {"CANCELLED"}
         return self._draw(context, to_window=False)
 
-    def _draw(self, context, to_window: bool):
+    def _draw(self, context: bpy.types.Context, to_window: bool) -> set[str]:
         from . import handlers, offscreen
 
         scene = context.scene
@@ -133,7 +133,7 @@ class _engine:
         if self._lend:
             self._scene.render.engine = EEVEE
 
-    def __exit__(self, *_) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._lend:
             self._scene.render.engine = "CYCLES"
 

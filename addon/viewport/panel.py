@@ -8,6 +8,7 @@ import textwrap
 import bpy
 
 from ..materials import material
+from . import surroundings
 
 
 class DIFFRACTION_PT_viewport(bpy.types.Panel):
@@ -20,10 +21,10 @@ class DIFFRACTION_PT_viewport(bpy.types.Panel):
     bl_region_type = "UI"
     bl_category = "Diffraction"
 
-    def draw_header(self, context):
+    def draw_header(self, context: bpy.types.Context) -> None:
         self.layout.prop(context.scene.diffraction_viewport, "show", text="")
 
-    def draw(self, context):
+    def draw(self, context: bpy.types.Context) -> None:
         from . import handlers
 
         layout, state = self.layout, context.scene.diffraction_viewport
@@ -40,6 +41,9 @@ class DIFFRACTION_PT_viewport(bpy.types.Panel):
         shading = getattr(context.space_data, "shading", None)
         if shading is not None and shading.type == "RENDERED" and context.scene.render.engine == "CYCLES":
             layout.label(text="Cycles shows the material itself", icon="INFO")
+        missing = surroundings.of_shading(context.scene, shading).unknown
+        if missing:
+            layout.label(text=f"Not shown: {missing}", icon="INFO")
         for index, line in enumerate(textwrap.wrap(handlers.renderer.message, 44)):
             layout.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
 

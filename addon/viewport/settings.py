@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 
@@ -43,17 +45,17 @@ POINTS = {"FAST": 1, "MEDIUM": 4, "FINE": 16}
 _off: set[int] = set()
 
 
-def _changed(self, context) -> None:
+def _changed(self: Any, context: Any) -> None:
     renderer.note(set())
     redraw()
 
 
-def _here(_) -> bool:
+def _here(_: Any) -> bool:
     space = bpy.context.space_data
     return space is None or space.as_pointer() not in _off
 
 
-def _set_here(_, value: bool) -> None:
+def _set_here(_: Any, value: bool) -> None:
     space = bpy.context.space_data
     if space is not None:
         (_off.discard if value else _off.add)(space.as_pointer())

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -12,25 +13,27 @@ from typing import Any
 
 import numpy as np
 
-from ..constants import KAPPA_MAX
 from ..errors import ScanError, SizeLimitError
 from ..files.atomic import remove_stale
 from ..light.colour import ADAPTED, adaptation, spectral_weights, white_xyz
-from ..light.illuminant import Illuminant, to_json
+from ..light.illuminant import to_json
 from ..parameters import BakeParameters
 from ..readers import read_scan_or_part
 from ..scan.heightfield import HeightField
 from ..scan.preparation import prepare
-from ..table.albedo import albedo_map
+from ..stack import Material, Stack, fresnel_exact
+from ..stack import to_json as stack_to_json
+from ..table.albedo import SECTORS, albedo_map
 from ..table.cache import TableCache, origin, table_key
 from ..table.layout import TableLayout, put_guard
 from ..table.table import SpectralTable
 from .balance import balance
 from .budget import check_bake, check_scan
+from .energy import Energy, energy, sector_shares
 from .intensity import PolarIntensity
 from .plan import plan_layout
 from .series import chebyshev_nodes, check_single_precision, node_count
-from .spectral_sum import SpectralSum
+from .spectral_sum import Reflectance, SpectralSum
 from .transforms import workers
 from .window import default_sigma_s
 
@@ -40,8 +43,11 @@ Progress = Callable[[str, float], None]
 #: Does what `PolarIntensity.coefficients` does on another device: gets it, the kappas and a progress (a fraction).
 Transforms = Callable[[PolarIntensity, np.ndarray, Callable[[float], None]], np.ndarray]
 
-#: Angles that go from the transforms to the spectral sum at a time; bounds the memory in between.
+#: Angles that go from the transforms to the spectral sum at a time, at most; bounds the memory in between.
 ANGLES_A_BLOCK = 96
+
+#: Polar angles of the row that holds the reflectance of the surface's stuff.
+N_REFLECTANCE = 91
 
 #: Texels are scaled to this largest value, well inside half floats (65504).
 _LARGEST_TEXEL = 30000.0
@@ -107,7 +113,14 @@ def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
         If the table would be larger than ``parameters.limit_bytes``.
     """
     half_range = 0.5 * float(np.ptp(patch.heights))
-    layout = plan_layout(resolve_sigma_s(patch, parameters), parameters.ensemble, half_range, parameters.detail)
+    layout = plan_layout(
+        resolve_sigma_s(patch, parameters),
+        parameters.ensemble,
+        half_range,
+        parameters.detail,
+        parameters.index,
+        0 if parameters.stack is None and parameters.lacquer is None else N_REFLECTANCE,
+    )
     if layout.texel_bytes > parameters.limit_bytes:
         raise SizeLimitError(
             f"The table would need {layout.texel_bytes / 1e6:.0f} MB of texels ({layout.n_r} radii x {layout.n_phi}"
@@ -246,50 +259,86 @@ def _bake(
     memory_bytes: int | None = None,
     transforms: Transforms | None = None,
 ) -> SpectralTable:
+    from threadpoolctl import threadpool_limits
+
     stages.report("prepare", 0.01)
     check_scan(scan, resolve_sigma_s(scan, parameters), parameters, memory_bytes)
     patch = prepare(scan, parameters)
     sigma_s = resolve_sigma_s(patch, parameters)
     layout = estimate(patch, parameters)
     check_bake(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK, memory_bytes)
-    x = KAPPA_MAX * 0.5 * float(np.ptp(patch.heights))
+    kappa_max, index, stack = parameters.kappa_max, parameters.index, parameters.stack
+    x = kappa_max * 0.5 * float(np.ptp(patch.heights))
     check_single_precision(parameters.series, x, parameters.tolerance)
     stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.04)
     stages.done("prepare")
-    # colour-science takes longer to import than a transform takes: it loads while the transforms run.
-    with ThreadPoolExecutor(1) as background:
-        colours = background.submit(_colours, parameters.illuminant)
-        polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance)
-        nodes = chebyshev_nodes(KAPPA_MAX, node_count(x, parameters.tolerance))
-        compute = PolarIntensity.coefficients if transforms is None or parameters.series != "nodes" else transforms
-        coefficients = compute(polar, nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
-        stages.done("transforms")
-        wavelengths, weights, white = colours.result()
-        stages.done("colour")
+    wavelengths, weights = spectral_weights(illuminant=parameters.illuminant)
+    white = white_xyz(parameters.illuminant)
+    polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance, kappa_max)
+    nodes = chebyshev_nodes(kappa_max, node_count(x, parameters.tolerance))
+    compute = PolarIntensity.coefficients if transforms is None or parameters.series != "nodes" else transforms
+    coefficients = compute(polar, nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))
+    stages.done("transforms")
 
-    total = SpectralSum(
-        polar.frequencies,
-        nodes,
-        KAPPA_MAX,
-        layout.radii,
-        layout.slices,
-        wavelengths,
-        weights,
-        lambda done: stages.report("spectral sum", 0.55 + 0.04 * done),
-    )
-    transform = _integrate(polar, coefficients, total, layout, stages)
-    del coefficients
-    stages.done("spectral sum")
+    stuff = None if stack is None else Reflectance(stack, wavelengths, parameters.lacquer, index)
+
+    def spectral_sum(
+        reflectance: Reflectance | None, gain: np.ndarray | None = None, coarse: int | None = None
+    ) -> SpectralSum:
+        return SpectralSum(
+            polar.frequencies,
+            nodes,
+            kappa_max,
+            layout.radii,
+            layout.slices,
+            wavelengths,
+            weights,
+            lambda done: stages.report("spectral sum", 0.55 + 0.04 * done),
+            reflectance,
+            gain,
+            coarse,
+        )
+
+    def energy_of(means: list[np.ndarray], gain: np.ndarray | None, albedo: np.ndarray | None, capped: bool) -> Energy:
+        # Every second frequency, which the far radii use anyway.
+        f, lit = (total.grids[-1], means[-1]) if len(means) > 1 else (total.grids[0][::2], means[0][:, ::2])
+        return energy(f, lit, nodes, kappa_max, layout, wavelengths, index, gain, albedo, capped)
+
+    with threadpool_limits(1, user_api="blas"):  # the products are small and threads have one each
+        total, gain = spectral_sum(stuff), None
+        if parameters.energy == "capped":
+            means = _integrate(polar, coefficients, total, layout, stages, None)
+            gain = energy_of(means, None, None, True).gain
+            total = spectral_sum(stuff, gain, total.coarse)
+            stages.done("energy")
+        transform = np.empty((layout.n_r, layout.n_w, 3, layout.n_phi), np.float32)
+        means = _integrate(polar, coefficients, total, layout, stages, transform)
+        del coefficients
+        stages.done("spectral sum")
     stages.report("balance", 0.85)
     texels = balance(transform, layout, lambda done: stages.report("balance", 0.85 + 0.02 * done))
     del transform
     stages.done("balance")
     stages.report("albedo", 0.88)
-    albedo = albedo_map(texels, layout, white, lambda done: stages.report("albedo", 0.88 + 0.04 * done))
+    # Energy is conserved by what the relief does to light: with R = 1.
+    bare = texels
+    with threadpool_limits(1, user_api="blas"):
+        if stack is not None:
+            bare = balance(spectral_sum(None, gain, total.coarse).apply(means), layout)
+        albedo = albedo_map(bare, layout, white, lambda done: stages.report("albedo", 0.88 + 0.04 * done), index)
+        stages.done("albedo")
+        kept = energy_of(means, gain, albedo, False)
+        stages.done("energy")
+    del bare
+    conserving = np.where(kept.bound > 1.0, np.maximum(albedo, kept.bound), albedo)
     stages.done("albedo")
     stages.report("atlas", 0.92)
     to_adapted = adaptation(parameters.illuminant)
-    layout, atlas = assemble(texels, layout, albedo, to_adapted)
+    seen = None
+    if layout.n_reflectance:
+        seen = _seen_reflectance(stack, parameters.lacquer, index, wavelengths, weights)
+        seen = seen if to_adapted is None else seen @ to_adapted.T
+    layout, atlas = assemble(texels, layout, np.stack([albedo, conserving]), to_adapted, seen)
     stages.done("atlas")
     info = {
         "key": table_key(scan, parameters),
@@ -309,36 +358,78 @@ def _bake(
             "wavelength_step_m": float(wavelengths[1] - wavelengths[0]),
         },
         "terms": polar.series.terms or len(nodes),
-        "albedo_max": float(albedo.max()),
+        "albedo_max": float(conserving.max()),
+        "energy": {"model": parameters.energy, "albedo_max_xyz": float(albedo.max()), "share_cut": kept.share_cut},
     }
+    if stack is not None:
+        info["stack"] = {**(stack_to_json(stack) or {}), "text": str(stack), "notes": list(stack.notes)}
+    if seen is not None:  # every five degrees, for readers without the atlas
+        info["reflectance_xyz"] = np.round(seen[:: (N_REFLECTANCE - 1) // 18], 6).tolist()
+    if parameters.lacquer is not None:
+        info["lacquer"] = {"material": parameters.lacquer.to_json(), "n": index}
     return SpectralTable(layout, atlas, info)
 
 
+def blocks_of_angles(count: int) -> list[slice]:
+    """Even blocks, twelve or a multiple of it where they are not too small: 2, 3, 4 or 6 threads end together.
+
+    They do not depend on the threads, so that the same bake gives the same bytes on one processor and on many.
+    """
+    size = max(48, math.ceil(count / (12 * math.ceil(count / (12 * ANGLES_A_BLOCK)))))
+    return [slice(start, min(start + size, count)) for start in range(0, count, size)]
+
+
 def _integrate(
-    polar: PolarIntensity, coefficients: np.ndarray, total: SpectralSum, layout: TableLayout, stages: _Stages
-) -> np.ndarray:
-    """``(n_r, n_w, 3, n_phi)`` T in XYZ, block by block of angles."""
-    from threadpoolctl import threadpool_limits
+    polar: PolarIntensity,
+    coefficients: np.ndarray,
+    total: SpectralSum,
+    layout: TableLayout,
+    stages: _Stages,
+    transform: np.ndarray | None,
+) -> list[np.ndarray]:
+    """T in XYZ into ``transform`` ``(n_r, n_w, 3, n_phi)``, unless it is None, block by block of angles.
 
-    transform = np.empty((layout.n_r, layout.n_w, 3, layout.n_phi), np.float32)
-    blocks = [slice(start, start + ANGLES_A_BLOCK) for start in range(0, layout.n_phi, ANGLES_A_BLOCK)]
+    Returns means of S over sectors, ``(sectors, n_f, n)`` for each of the sum's grids.
+    """
+    blocks = blocks_of_angles(layout.n_phi)
+    flat = None if transform is None else transform.reshape(layout.n_r, layout.n_w * 3, layout.n_phi)
+    sectors = min(SECTORS, layout.n_phi)
+    means = [np.zeros((sectors, len(each), total.n_nodes), np.float32) for each in total.grids]
 
-    def integrate(block: slice) -> None:
-        transform[..., block] = total.apply(polar.polar(coefficients, layout.angles[block]))
+    def integrate(block: slice) -> tuple[int, list[np.ndarray]]:
+        seen = [polar.polar(coefficients, layout.angles[block], each) for each in total.grids]
+        if flat is not None:
+            total.apply(seen, flat[..., block])
+        low, share = sector_shares(layout, block.start, block.stop)
+        return low, [(share @ each.reshape(len(each), -1)).reshape(-1, *each.shape[1:]) for each in seen]
 
-    # One thread a block and one BLAS thread in each: these products are too small to be split further.
-    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(workers()) as pool:
-        for done, _ in enumerate(pool.map(integrate, blocks), 1):
+    with ThreadPoolExecutor(workers()) as pool:
+        for done, (low, parts) in enumerate(pool.map(integrate, blocks), 1):
+            for mean, part in zip(means, parts, strict=True):
+                mean[low : low + len(part)] += part
             stages.report("spectral sum", 0.59 + 0.25 * done / len(blocks))
-    return transform
+    return means
 
 
-def _colours(illuminant: Illuminant) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    return (*spectral_weights(illuminant=illuminant), white_xyz(illuminant))
+def _seen_reflectance(
+    stack: Stack | None, lacquer: Material | None, index: float, wavelengths: np.ndarray, weights: np.ndarray
+) -> np.ndarray:
+    """``(N_REFLECTANCE, 3)`` in XYZ, 1 as white: what stack and lacquer keep from below, over a view's angle."""
+    cosine = np.cos(np.linspace(0.0, 0.5 * np.pi, N_REFLECTANCE))
+    outer = fresnel_exact(index, cosine) if lacquer is not None else np.zeros(N_REFLECTANCE)
+    inside = np.sqrt(np.maximum(1.0 - (1.0 - cosine**2) / index**2, 0.0))
+    below = np.zeros((len(wavelengths), N_REFLECTANCE))
+    if stack is not None:
+        below = stack.reflectance(wavelengths, inside, lacquer)
+    return (1.0 - (1.0 - outer) * (1.0 - below)).T @ weights
 
 
 def assemble(
-    texels: np.ndarray, layout: TableLayout, albedo: np.ndarray, to_adapted: np.ndarray | None = None
+    texels: np.ndarray,
+    layout: TableLayout,
+    albedo: np.ndarray,
+    to_adapted: np.ndarray | None = None,
+    reflectance: np.ndarray | None = None,
 ) -> tuple[TableLayout, np.ndarray]:
     """Put the table's nodes into the atlas as half floats.
 
@@ -349,10 +440,12 @@ def assemble(
     layout
         Its scale is replaced.
     albedo
-        ``(n_albedo_phi, n_theta)``.
+        ``(n_albedo_phi, n_theta)`` for all albedo tiles, or ``(n_albedo, ...)`` for each.
     to_adapted
         ``(3, 3)`` what the XYZ of the texels are multiplied by, see `precompute.light.colour.adaptation`. Saturated
         colours may leave it with a negative component, as they do any adaptation.
+    reflectance
+        ``(n_reflectance, 3)`` for the row of that name, adapted.
 
     Returns
     -------
@@ -375,14 +468,22 @@ def assemble(
     layout = replace(layout, scale=peak / _LARGEST_TEXEL)
     factor = np.float32(1.0 / layout.scale)
     atlas = np.zeros((layout.height, layout.width, 3), np.float16)
-    for index in range(layout.n_w):
+
+    def put(index: int) -> None:
         x, y = layout.tile_origin(index)
         tile = atlas[y : y + layout.tile_height, x : x + layout.n_r]
         slice_texels = texels[:, index] if turn is None else np.matmul(turn, texels[:, index])
         tile[1:-1] = (slice_texels * factor).transpose(2, 0, 1)
         tile[0], tile[-1] = tile[-2], tile[1]
-    tile = atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta]
-    tile[1:-1] = albedo[:, :, None]
-    tile[0], tile[-1] = tile[-2], tile[1]
+
+    with ThreadPoolExecutor(workers()) as pool:
+        list(pool.map(put, range(layout.n_w)))
+    for number, values in enumerate(np.broadcast_to(albedo, (layout.n_albedo, layout.n_albedo_phi, layout.n_theta))):
+        y = layout.albedo_y + number * layout.albedo_height
+        tile = atlas[y : y + layout.albedo_height, : layout.n_theta]
+        tile[1:-1] = values[:, :, None]
+        tile[0], tile[-1] = tile[-2], tile[1]
+    if reflectance is not None:
+        atlas[layout.reflectance_y - 1 : layout.reflectance_y + 2, : layout.n_reflectance] = reflectance
     put_guard(atlas, layout)
     return layout, atlas

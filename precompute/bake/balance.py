@@ -10,10 +10,12 @@ least-squares fit by linear splines (de Boor, *A Practical Guide to Splines*, ch
 from __future__ import annotations
 
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
 from ..table.layout import TableLayout
+from .transforms import workers
 
 
 def balance(transform: np.ndarray, layout: TableLayout, progress: Callable[[float], None] | None = None) -> np.ndarray:
@@ -29,10 +31,13 @@ def balance(transform: np.ndarray, layout: TableLayout, progress: Callable[[floa
         Called with the fraction done.
     """
     transform *= (layout.slices**-layout.power).astype(np.float32)[:, None, None]
-    for done, axis in enumerate((3, 0, 1), 1):
-        _shift(transform, _second_difference(transform, axis))
-        if progress is not None:
-            progress(done / 3.0)
+    # Differences along angles, radii and slices, for some radii or slices at a time: a thread's part stays small.
+    with ThreadPoolExecutor(workers()) as pool:
+        for done, (axis, across) in enumerate(((3, 0), (0, 1), (1, 0)), 1):
+            parts = np.array_split(transform, min(transform.shape[across], 4 * workers()), axis=across)
+            list(pool.map(_shift, parts, [axis] * len(parts)))
+            if progress is not None:
+                progress(done / 3.0)
     return transform
 
 
@@ -58,8 +63,9 @@ def _second_difference(values: np.ndarray, axis: int) -> np.ndarray:
     return second
 
 
-def _shift(values: np.ndarray, second: np.ndarray) -> None:
+def _shift(values: np.ndarray, axis: int) -> None:
     """Take one twelfth of the second difference off, at most half of a value, so that none becomes negative."""
+    second = _second_difference(values, axis)
     second *= np.float32(1.0 / 12.0)
     np.minimum(second, 0.5 * values, out=second)
     values -= second

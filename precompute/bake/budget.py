@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from ..constants import FREQUENCY_MAX, KAPPA_MAX
+from ..constants import FREQUENCY_MAX
 from ..errors import ParameterError, ScanError, SizeLimitError
 from ..files.memory import available_bytes
 from ..parameters import BakeParameters
@@ -13,15 +13,16 @@ from ..scan.heightfield import HeightField
 from ..scan.resample import refine_factors
 from ..table.albedo import SECTORS
 from ..table.layout import TableLayout
-from .intensity import PLANES, RADIAL_STEP
+from .intensity import PLANES
 from .series import node_count
+from .spectral_sum import RADIAL_STEP
 from .transforms import Axis, lobe_width, workers
 
 #: Libraries, and what the many small arrays take.
-_BASE_BYTES = 165e6
+_BASE_BYTES = 60e6
 
-#: Wavelengths of the colour integral (380 to 780 nm), each with 4 taps: at most so many frequencies a radius.
-_TAPS_A_RADIUS = 84
+#: Frequencies that a radius' wavelengths (380 to 780 nm) look at, on average; under lamps with lines twice as many.
+_TAPS_A_RADIUS = 60
 
 
 #: Scales that no optical surface leaves, metres: beyond them a unit is wrong, and numbers overflow.
@@ -86,7 +87,7 @@ def bake_bytes(
 ) -> float:
     """Peak of a whole bake of a prepared patch, in bytes."""
     rows, cols = field.shape
-    x = KAPPA_MAX * 0.5 * float(field.heights.max() - field.heights.min())
+    x = parameters.kappa_max * 0.5 * float(field.heights.max() - field.heights.min())
     nodes = node_count(x, parameters.tolerance)
     along_x = Axis.plan(cols, field.dx, sigma_s_m)
     along_y = Axis.plan(rows, field.dy, sigma_s_m)
@@ -94,14 +95,14 @@ def bake_bytes(
     coefficients = 4.0 * along_x.fine * along_y.fine * nodes
     texels = 12.0 * layout.n_r * layout.n_w * layout.n_phi
     frequencies = FREQUENCY_MAX / (RADIAL_STEP * lobe_width(sigma_s_m))
-    block = angles_a_block * (frequencies * (16 * 16.0 + 12.0 * nodes) + 12.0 * layout.n_r * layout.n_w)
+    block = angles_a_block * frequencies * (16 * 16.0 + 5.0 * nodes)
     matrices = 4.0 * layout.n_r * layout.n_w * 3 * nodes * _TAPS_A_RADIUS
-    heights = rows * cols * 5 * 8.0
+    heights = rows * cols * (2 * 9.0 + (4.0 if parameters.series == "nodes" else 16.0))
     stages = (
         spectra + coefficients,
         heights + coefficients + matrices + texels + workers() * block,
-        # Sums of the texels in 64 bits and means of them, for the albedo.
-        heights + 5.0 * texels + 96.0 * layout.n_r * layout.n_w * min(SECTORS, layout.n_phi),
+        # Means of the texels over sectors and their Fourier series, and each thread's kernels, for the albedo.
+        heights + texels + layout.n_r * layout.n_w * min(SECTORS, layout.n_phi) * (60.0 + 20.0 * workers()),
     )
     return _BASE_BYTES + max(stages)
 

@@ -28,14 +28,12 @@ from ..constants import FREQUENCY_MAX, KAPPA_MAX
 from ..scan.heightfield import HeightField
 from .scipy_kernels import sparse_product
 from .series import Series
+from .spectral_sum import RADIAL_STEP
 from .transforms import Axis, Transforms, interleave, lobe_width, workers
 from .window import window_axis
 
 #: Intensities of single kappas that are kept apart before they are put side by side.
 PLANES = 4
-
-#: Radial step of the polar grid in widths s_f of the coherence lobe (cubic interpolation in between).
-RADIAL_STEP = 0.4
 
 
 class PolarIntensity:
@@ -49,7 +47,7 @@ class PolarIntensity:
         Coherence window, metres.
     ensemble
         ``average``, ``single`` or ``periodic``.
-    series, tolerance
+    series, tolerance, kappa_max
         See :class:`precompute.bake.series.Series`.
 
     Attributes
@@ -69,6 +67,7 @@ class PolarIntensity:
         ensemble: str,
         series: str = "nodes",
         tolerance: float = 1e-4,
+        kappa_max: float = KAPPA_MAX,
     ) -> None:
         rows, cols = field.shape
         self.x = Axis.plan(cols, field.dx, sigma_s_m)
@@ -80,7 +79,7 @@ class PolarIntensity:
         area = float(np.prod([axis @ axis for axis in self.window_axes])) * field.dx * field.dy
         # One transform a kappa multiplies the rows by the window as it goes; a series needs it whole.
         window = np.ones((1, 1)) if series == "nodes" else np.outer(*self.window_axes)
-        self.series = Series(field.heights, window, KAPPA_MAX, series, tolerance, self._spectrum)
+        self.series = Series(field.heights, window, kappa_max, series, tolerance, self._spectrum)
         self.lag_axes = self._make_lag_axes(sigma_s_m if ensemble == "average" else None)
         self._transforms = Transforms(self.x, self.y, self.lag_axes)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
@@ -154,7 +153,7 @@ class PolarIntensity:
 
         self._transforms.of_band(self._transforms.band(rows, np.complex64, pool), out, pool)
 
-    def polar(self, coefficients: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    def polar(self, coefficients: np.ndarray, angles: np.ndarray, frequencies: np.ndarray | None = None) -> np.ndarray:
         """S on the polar grid.
 
         Parameters
@@ -163,21 +162,26 @@ class PolarIntensity:
             From :meth:`coefficients`.
         angles
             ``(m,)`` radians.
+        frequencies
+            ``(n_f,)`` radial, 1/m; all for None.
 
         Returns
         -------
         ndarray
-            ``(n_f, n, m)`` float32, m^2.
+            ``(m, n_f, n)`` float32, m^2.
         """
-        row, wy = _cubic_b_spline(np.outer(self.frequencies / self.y.frequency_step, np.sin(angles)).ravel())
-        col, wx = _cubic_b_spline(np.outer(self.frequencies / self.x.frequency_step, np.cos(angles)).ravel())
-        row = (row + self.y.fine // 2) % self.y.fine
+        frequencies = self.frequencies if frequencies is None else frequencies
+        row, wy = _cubic_b_spline(np.outer(np.sin(angles), frequencies / self.y.frequency_step).ravel())
+        col, wx = _cubic_b_spline(np.outer(np.cos(angles), frequencies / self.x.frequency_step).ravel())
+        row = (row + self.y.fine // 2) % self.y.fine * np.int32(self.x.fine)
         col = (col + self.x.fine // 2) % self.x.fine
-        weights = (np.float32(self._factor) * wy[:, :, None] * wx[:, None, :]).reshape(-1, 16)
-        indices = (row[:, :, None] * np.int32(self.x.fine) + col[:, None, :]).reshape(-1, 16)
+        wy *= np.float32(self._factor)
+        # Neighbours along a ray share most of their cells: angle by angle.
+        weights = (wy[:, :, None] * wx[:, None, :]).reshape(-1, 16)
+        indices = (row[:, :, None] + col[:, None, :]).reshape(-1, 16)
         values = sparse_product(indices, weights, coefficients)
-        values = values.reshape(len(self.frequencies), len(angles), -1)
-        return np.maximum(values.transpose(0, 2, 1), 0.0)
+        np.maximum(values, 0.0, out=values)
+        return values.reshape(len(angles), len(frequencies), -1)
 
 
 def _cubic_b_spline(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

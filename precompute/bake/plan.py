@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 
-from ..constants import KAPPA_MAX
+from ..constants import W_MAX, WAVELENGTH_MIN_M
 from ..table.layout import R_MAX, TableLayout, near_square_columns
 
 #: Wavelength that sets the width of the coherence lobe in (u, v).
@@ -24,8 +24,18 @@ _ARC = {"average": 0.85, "single": 0.45, "periodic": 0.45}
 #: Smallest |w| with a slice of its own: light and viewer both at 87 degrees.
 _W_MIN = 0.1
 
+#: |w| where the slices turn from even to a constant ratio.
+_W0 = 0.4
 
-def plan_layout(sigma_s_m: float, ensemble: str, half_range_m: float, detail: float = 1.0) -> TableLayout:
+
+def plan_layout(
+    sigma_s_m: float,
+    ensemble: str,
+    half_range_m: float,
+    detail: float = 1.0,
+    index: float = 1.0,
+    n_reflectance: int = 0,
+) -> TableLayout:
     """Layout for a coherence window and a range of heights.
 
     Parameters
@@ -38,21 +48,33 @@ def plan_layout(sigma_s_m: float, ensemble: str, half_range_m: float, detail: fl
         Half of the range of heights, metres; deep reliefs change faster with w.
     detail
         Resolution relative to the default.
+    index
+        Refractive index of what lies over the relief. Under a lacquer light runs steeply: |w| lies between
+        ``2 sqrt(n^2 - 1)`` and ``2 n``.
+    n_reflectance
+        Columns of the row that holds the reflectance of the surface's stuff; 0 without.
     """
     lobe = _REFERENCE_M / (2.0 * math.pi * math.sqrt(2.0) * sigma_s_m)
     ratio = _STEP_FAR_OUT / detail
     r0 = min(_STEP_NEAR_ZERO * lobe / _STEP_FAR_OUT, 1.0)
     n_r = 1 + math.ceil(math.asinh(R_MAX / r0) / ratio)
     n_phi = max(256, 32 * math.ceil(2.0 * math.pi * detail / (_ARC[ensemble] * lobe) / 32))
-    x = KAPPA_MAX * half_range_m
+    w_max, w_min = W_MAX * index, max(_W_MIN, 0.999 * W_MAX * math.sqrt(index**2 - 1.0))
+    x = 2.0 * math.pi * w_max / WAVELENGTH_MIN_M * half_range_m
     n_w = max(12, math.ceil(detail * (10.0 + x)))
+    if w_min > _W_MIN:  # as dense as they would be over the whole range, at its upper end
+        whole = math.asinh(w_max / _W0) - math.asinh(_W_MIN / _W0)
+        n_w = max(6, 2 + math.ceil(n_w * (math.asinh(w_max / _W0) - math.asinh(w_min / _W0)) / whole))
     return TableLayout(
         n_r=n_r,
         n_phi=n_phi,
         n_w=n_w,
         r0=r0,
-        w0=0.4,
-        w_min=_W_MIN,
+        w0=_W0,
+        w_min=w_min,
         power=1.0,
+        w_max=w_max,
+        n_albedo=2,
+        n_reflectance=n_reflectance,
         tile_columns=near_square_columns(n_r, n_phi, n_w),
     )

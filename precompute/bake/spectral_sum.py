@@ -8,16 +8,63 @@ is one matrix
 
     M[(w, c), (f, n)] = sum_lambda weight_c(lambda) / lambda^2  L_n(2 pi |w| / lambda)  C_f(r / lambda)
 
-and the integral is ``M @ S``; no array is resampled.
+and the integral is ``M @ S``; no array is resampled. Far from the peak the light's spectrum smears over many
+frequencies and every second one of them says it all: where that is so is found out from the light (`coarse_from`).
+What depends on the wavelength, the radius and the slice alone goes into the same matrix: the reflectance of a stack,
+``R(lambda, theta_half)`` with ``cos(theta_half) = |(u, v, w)| / (2 n) = min(1, sqrt(r^2 + w^2) / (2 n))``, and the cap
+of the energy.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from ..stack import Material, Stack
 from .series import node_weights
+from .transforms import LAG_CUT, lobe_width, workers
+
+#: Radial step of the intensities in widths s_f of the coherence lobe (cubic interpolation in between).
+RADIAL_STEP = 0.4
+
+#: Largest error that a step twice as wide may leave in any lag of the intensities, relative to the whole light.
+_COARSE_ERROR = 5e-4
+
+#: Wavelengths that go through one product: a radius' interpolation is a narrow band, which products of all would fill.
+_WAVELENGTHS_A_PRODUCT = 50
+
+
+class Reflectance:
+    """R(lambda, theta_half) of a stack as the table's coordinates see it.
+
+    Parameters
+    ----------
+    stack
+        Films and substrate.
+    wavelengths
+        ``(L,)`` metres.
+    lacquer, index
+        What lies over it, and its refractive index for directions.
+    """
+
+    def __init__(self, stack: Stack, wavelengths: np.ndarray, lacquer: Material | None, index: float) -> None:
+        cosines, sampled = stack.sampled(wavelengths, lacquer)
+        self._steps = len(cosines) - 1
+        self._sampled = np.ascontiguousarray(sampled.T)
+        self._index = index
+
+    def __call__(self, r: float, slices: np.ndarray) -> np.ndarray:
+        """``(n_w, L)`` at a radius and all slices."""
+        return self.at(np.sqrt(r**2 + slices**2) / (2.0 * self._index))
+
+    def at(self, cosines: np.ndarray) -> np.ndarray:
+        """``(..., L)`` at cosines in front of the stack."""
+        place = np.clip(cosines, 0.0, 1.0) * self._steps
+        lower = np.minimum(place.astype(int), self._steps - 1)
+        part = (place - lower)[..., None]
+        return self._sampled[lower] * (1.0 - part) + self._sampled[lower + 1] * part
 
 
 def cubic_lagrange(position: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
@@ -42,7 +89,7 @@ class SpectralSum:
     Parameters
     ----------
     frequencies
-        ``(n_f,)`` radial frequencies of the intensities, evenly spaced from 0, 1/m.
+        ``(n_f,)`` radial frequencies of the intensities, evenly spaced from 0 by `RADIAL_STEP`, 1/m.
     nodes, kappa_max
         Chebyshev nodes of the intensities and the end of their interval, 1/m.
     radii
@@ -53,6 +100,19 @@ class SpectralSum:
         ``(L,)`` metres and ``(L, 3)`` from :func:`precompute.light.colour.spectral_weights`.
     progress
         Called with the fraction of the matrices that are made.
+    reflectance
+        Of the surface's stuff; None is R = 1.
+    gain
+        ``(n_w, L)`` a further factor, see `precompute.bake.energy`; None is 1.
+    coarse
+        First radius that uses every second frequency; None asks `coarse_from`.
+
+    Attributes
+    ----------
+    grids : list of ndarray
+        Frequencies at which `apply` wants the intensities: those near the peak, and every second one of all, if any.
+    coarse : int
+        As given or found.
     """
 
     def __init__(
@@ -65,44 +125,140 @@ class SpectralSum:
         wavelengths: np.ndarray,
         weights: np.ndarray,
         progress: Callable[[float], None] | None = None,
+        reflectance: Reflectance | None = None,
+        gain: np.ndarray | None = None,
+        coarse: int | None = None,
     ) -> None:
-        self.n_w = len(slices)
+        self.n_w, self.n_nodes = len(slices), len(nodes)
+        if coarse is None:
+            coarse = coarse_from(frequencies[1], radii, slices, wavelengths, weights, reflectance)
+        self.coarse = coarse
         # factors[(w, c, n), lambda]: everything that does not depend on the radius.
         kappa = 2.0 * np.pi * slices[:, None] / wavelengths
         lagrange = node_weights(nodes, kappa_max, kappa.ravel()).reshape(self.n_w, len(wavelengths), len(nodes))
+        if gain is not None:
+            lagrange = lagrange * gain[:, :, None]
         factors = np.einsum("lc,wln->wcnl", weights / wavelengths[:, None] ** 2, lagrange)
         factors = factors.reshape(-1, len(wavelengths)).astype(np.float32)
-        rows = np.arange(len(wavelengths))[:, None]
-        #: First frequency and matrix ``(n_w * 3, (f, n))`` of each radius.
-        self.matrices: list[tuple[int, np.ndarray]] = []
-        for done, r in enumerate(radii, 1):
-            first, taps = cubic_lagrange(r / wavelengths / frequencies[1], len(frequencies))
-            low, high = int(first.min()), int(first.max()) + 4
-            radial = np.zeros((len(wavelengths), high - low), np.float32)
-            np.add.at(radial, (rows, first[:, None] - low + np.arange(4)), taps)
-            matrix = (factors @ radial).reshape(self.n_w * 3, len(nodes), high - low).transpose(0, 2, 1)
-            self.matrices.append((low, matrix.reshape(self.n_w * 3, -1)))
-            if progress is not None:
-                progress(done / len(radii))
-        self.n_nodes = len(nodes)
+        near = len(frequencies)
+        if coarse < len(radii):
+            last = radii[max(coarse - 1, 0)] / wavelengths[0] / frequencies[1]
+            near = min(int(last) + 4, near)
+        self.grids = [frequencies[:near], *([frequencies[::2]] if coarse < len(radii) else [])]
 
-    def apply(self, intensity: np.ndarray) -> np.ndarray:
+        def matrix(index: int) -> tuple[int, int, np.ndarray]:
+            r, grid = radii[index], int(index >= coarse)
+            step = frequencies[1] * (1 + grid)
+            first, taps = cubic_lagrange(r / wavelengths / step, len(self.grids[grid]))
+            seen = None if reflectance is None else reflectance(r, slices).astype(np.float32)
+            low, product = self._banded(factors, first, taps.astype(np.float32), seen)
+            by_node = product.reshape(self.n_w * 3, self.n_nodes, -1).transpose(0, 2, 1)
+            return grid, low * self.n_nodes, by_node.reshape(self.n_w * 3, -1)
+
+        #: Grid, first value of a line of it, and matrix ``(n_w * 3, (f, n))`` of each radius.
+        self.matrices: list[tuple[int, int, np.ndarray]] = []
+        with ThreadPoolExecutor(workers()) as pool:
+            for made in pool.map(matrix, range(len(radii))):
+                self.matrices.append(made)
+                if progress is not None:
+                    progress(len(self.matrices) / len(radii))
+
+    def _banded(
+        self, factors: np.ndarray, first: np.ndarray, taps: np.ndarray, seen: np.ndarray | None
+    ) -> tuple[int, np.ndarray]:
+        """First frequency and ``((w, c, n), f)`` sum over the wavelengths of factors and interpolation.
+
+        ``first`` falls with the wavelength; ``seen`` is ``(n_w, L)``.
+        """
+        low, high = int(first[-1]), int(first[0]) + taps.shape[1]
+        count = len(first)
+        total = np.zeros((len(factors), high - low), np.float32)
+        for start in range(0, count, _WAVELENGTHS_A_PRODUCT):
+            stop = min(start + _WAVELENGTHS_A_PRODUCT, count)
+            here, there = int(first[stop - 1]), int(first[start]) + taps.shape[1]
+            radial = np.zeros((stop - start, there - here), np.float32)
+            places = first[start:stop, None] - here + np.arange(taps.shape[1])
+            radial[np.arange(stop - start)[:, None], places] = taps[start:stop]
+            part = factors[:, start:stop]
+            if seen is not None:
+                part = (part.reshape(self.n_w, -1, stop - start) * seen[:, None, start:stop]).reshape(len(factors), -1)
+            total[:, here - low : there - low] += part @ radial
+        return low, total
+
+    def apply(self, intensities: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
         """Integrate a block of angles.
 
         Parameters
         ----------
-        intensity
-            ``(n_f, n, m)`` float32, S = lambda^2 T, m^2.
+        intensities
+            ``(m, n_f, n)`` float32 for each of `grids`, S = lambda^2 T, m^2.
+        out
+            ``(n_r, n_w * 3, m)`` float32; a new array for None.
 
         Returns
         -------
         ndarray
             ``(n_r, n_w, 3, m)`` float32, T in XYZ, 1/sr.
         """
-        flat = intensity.reshape(-1, intensity.shape[-1])
-        out = np.empty((len(self.matrices), self.n_w * 3, intensity.shape[-1]), np.float32)
-        for (low, matrix), target in zip(self.matrices, out, strict=True):
-            start = low * self.n_nodes
-            np.matmul(matrix, flat[start : start + matrix.shape[1]], out=target)
-        np.maximum(out, 0.0, out=out)
-        return out.reshape(len(out), self.n_w, 3, -1)
+        lines = [each.reshape(len(each), -1) for each in intensities]
+        count = len(lines[0])
+        if out is None:
+            out = np.empty((len(self.matrices), self.n_w * 3, count), np.float32)
+        for (grid, start, matrix), target in zip(self.matrices, out, strict=True):
+            np.matmul(matrix, lines[grid][:, start : start + matrix.shape[1]].T, out=target)
+            np.maximum(target, 0.0, out=target)
+        return out.reshape(len(out), self.n_w, 3, count)
+
+
+def coarse_from(
+    step: float,
+    radii: np.ndarray,
+    slices: np.ndarray,
+    wavelengths: np.ndarray,
+    weights: np.ndarray,
+    reflectance: Reflectance | None = None,
+) -> int:
+    """First radius from which on every second frequency will do.
+
+    The intensities hold lags D up to some sigma_s, weighted with ``exp(-D^2 / (4 sigma_s^2))``. For each of them the
+    integral over the light's wavelengths has a closed form, ``sum_l weight_l exp(2 pi i D r / lambda_l)``, which the
+    sum over interpolated frequencies must meet. Wide spectra do from some tens of widths of the lobe on; those of
+    lamps with lines never do.
+
+    Parameters
+    ----------
+    step
+        Of the frequencies, 1/m.
+    radii, slices, wavelengths, weights, reflectance
+        As in `SpectralSum`.
+
+    Returns
+    -------
+    int
+        Index into ``radii``; their number where none will do.
+    """
+    sigma_s = lobe_width(1.0) * RADIAL_STEP / step
+    lags = np.linspace(0.0, LAG_CUT, 27)
+    decay = np.exp(-0.25 * lags**2)[:, None]
+    spectra = weights / wavelengths[:, None] ** 2
+    found = len(radii)
+    for index in range(len(radii) - 1, -1, -4):
+        r = radii[index]
+        light = spectra
+        if reflectance is not None:
+            seen = reflectance(r, slices[[0, len(slices) // 2, -1]])
+            light = (spectra[:, None] * seen.T[:, :, None]).reshape(len(wavelengths), -1)
+        light = light / np.maximum(light.sum(axis=0), 1e-30)
+        place = r / wavelengths / (2.0 * step)
+        first, taps = cubic_lagrange(place, int(place.max()) + 8)
+        low = int(first.min())
+        sums = np.zeros((int(first.max()) + 4 - low, light.shape[1]))
+        for tap in range(4):
+            np.add.at(sums, first + tap - low, taps[:, tap, None] * light)
+        turn = 4.0j * np.pi * step * sigma_s * lags[:, None]
+        exact = np.exp(turn * place) @ light
+        error = np.abs(np.exp(turn * (low + np.arange(len(sums)))) @ sums - exact) * decay
+        if error.max() > _COARSE_ERROR:
+            break
+        found = index
+    return found

@@ -18,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--name", help="name of the table's files; the scan's by default")
     options.add_parameters(parser)
     options.add_replicas(parser)
+    options.add_stuff(parser)
     parser.add_argument("--detail", type=options.number, default=default.detail, help="resolution of the table")
     parser.add_argument(
         "--limit-mb",
@@ -46,6 +47,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         memory = None if args.memory_mb is None else int(args.memory_mb * 1e6)
         reading = options.scan_reading(args)
         report = bake_file(args.file, args.out, parameters, progress, args.name, cache, memory, **reading)
+    stuff = report.table.stuff
     return {
         "table": str(report.path),
         "terms": int(report.table.info["terms"]),
@@ -53,8 +55,10 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         "seconds": {stage: round(seconds, 4) for stage, seconds in report.seconds.items()},
         "peak_rss_bytes": peak_rss_bytes(),
         "albedo_max": report.table.albedo_max,
+        "energy": report.table.info["energy"],
+        **stuff,
         "cache": report.cache,
-        "notes": list(report.notes),
+        "notes": [*report.notes, *stuff.get("notes", [])],
     }
 
 
@@ -67,7 +71,12 @@ def describe(result: dict[str, Any]) -> str:
         f"texels       {result['bytes'] / 1e6:.1f} MB",
         f"peak memory  {'unknown' if memory is None else f'{memory / 1e6:.0f} MB'}",
         f"albedo       at most {result['albedo_max']:.3f}",
+        f"energy       {result['energy']['model']}, {100 * result['energy']['share_cut']:.1f} % of even light is cut",
         f"cache        {result['cache']}",
     ]
+    if "stack" in result:
+        lines.insert(1, f"stack        {result['stack']}")
+    if "lacquer" in result:
+        lines.insert(1, f"lacquer      {result['lacquer']['material']}, n = {result['lacquer']['n']:.4f}")
     lines += [f"{stage:<14}{seconds:8.2f} s" for stage, seconds in result["seconds"].items()]
     return "\n".join(lines)

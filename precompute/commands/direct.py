@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_scan(parser)
     options.add_parameters(parser)
     options.add_replicas(parser)
+    options.add_stuff(parser)
     options.add_directions(parser)
     parser.add_argument("--wavelength-nm", type=options.number, metavar="L", help="one wavelength instead of XYZ")
     parser.add_argument("--step-nm", type=options.number, metavar="D", help="step of the wavelength integral")
@@ -28,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
-    """Absolute BRDF without Fresnel in 1/sr: ``f`` at one wavelength, else ``xyz``."""
+    """Absolute BRDF in 1/sr, R = 1 unless there is a substrate: ``f`` at one wavelength, else ``xyz``."""
     from ..bake.window import default_sigma_s
     from ..evaluate.direct import direct_f, direct_xyz
     from ..scan.preparation import prepare
@@ -36,6 +37,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     parameters = options.bake_parameters(args)
     if args.method != "direct":
         return _by_method(args, parameters)
+    stuff: dict[str, Any] = {"stack": parameters.stack, "lacquer": parameters.lacquer}
+    said = options.said_stuff(parameters)
     patch = prepare(options.read(args), parameters)
     sigma = parameters.sigma_s_m
     if sigma is None or parameters.ensemble == "periodic":
@@ -43,12 +46,21 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     wi, wr = options.direction(args.wi), options.direction(args.wr)
     if args.wavelength_nm is not None:
         f = direct_f(
-            patch, sigma, parameters.ensemble, wi, wr, args.wavelength_nm * 1e-9, normalisation=args.normalisation
+            patch,
+            sigma,
+            parameters.ensemble,
+            wi,
+            wr,
+            args.wavelength_nm * 1e-9,
+            normalisation=args.normalisation,
+            **stuff,
         )
-        return {"f": float(f)}
+        return {"f": float(f), **said}
     step = None if args.step_nm is None else args.step_nm * 1e-9
-    xyz = direct_xyz(patch, sigma, parameters.ensemble, wi, wr, parameters.illuminant, step, args.normalisation)
-    return {"xyz": np.asarray(xyz).tolist()}
+    xyz = direct_xyz(
+        patch, sigma, parameters.ensemble, wi, wr, parameters.illuminant, step, args.normalisation, **stuff
+    )
+    return {"xyz": np.asarray(xyz).tolist(), **said}
 
 
 def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str, Any]:
@@ -61,6 +73,8 @@ def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str
     from ..evaluate.surface import geometry_factor, relative_factor
     from ..scan.preparation import prepare
 
+    if parameters.stack is not None or parameters.lacquer is not None:
+        raise ParameterError(f"The method '{args.method}' knows neither films nor lacquer; leave --method out.")
     if parameters.ensemble != "single" and args.method != "pq":
         raise ParameterError(f"The method '{args.method}' has one coherence window; add --ensemble single.")
     patch = prepare(options.read(args), replace(parameters, ensemble="single"))
@@ -83,4 +97,4 @@ def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str
 def describe(result: dict[str, Any]) -> str:
     """The value, and what a method took for it."""
     value = f"f  {result['f']:.6g}" if "f" in result else "XYZ  " + "  ".join(f"{x:.6g}" for x in result["xyz"])
-    return "\n".join([value, *method_lines(result)])
+    return "\n".join([value, *options.stuff_lines(result), *method_lines(result)])

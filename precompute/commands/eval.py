@@ -17,23 +17,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
-    """Absolute BRDF without Fresnel, raw model, XYZ in 1/sr under the light of the bake, as `direct` gives it."""
+    """Raw absolute BRDF in 1/sr, R inside where the table has a stack (else 1): XYZ under the light of the bake."""
     import numpy as np
 
     from ..evaluate.surface import brdf
     from ..light.colour import adaptation
     from ..table.table import SpectralTable
 
-    table, note = options.scaled(args, SpectralTable.load(args.table))
+    loaded = SpectralTable.load(args.table)
+    table, note = options.scaled(args, loaded)
     xyz = brdf(table, options.direction(args.wi), options.direction(args.wr))
     colour = table.info["colour"]
     to_adapted = adaptation(colour["illuminant"]) if colour.get("adapted") else None
     if to_adapted is not None:
         xyz = np.linalg.solve(to_adapted, xyz)
-    return {"xyz": [float(value) for value in xyz], **note}
+    return {"xyz": [float(value) for value in xyz], **loaded.stuff, **note}
 
 
 def describe(result: dict[str, Any]) -> str:
-    """One line."""
+    """One line, and what is inside."""
     line = "XYZ  " + "  ".join(f"{value:.6g}" for value in result["xyz"]) + "  1/sr"
-    return "\n".join([line, *([result["note"]] if "note" in result else [])])
+    return "\n".join([line, *options.stuff_lines(result), *([result["note"]] if "note" in result else [])])

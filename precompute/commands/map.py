@@ -34,4 +34,11 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     xyz = brdf_map(seen, options.direction([args.theta_i, args.phi_i]), args.size)
     exposure = exposure_of(xyz, illuminant) if args.exposure is None else args.exposure
     path = save_map(xyz, args.out, exposure, illuminant, args.grid)
-    return {"out": str(path), "size": args.size, "y_max": float(xyz[..., 1].max()), "exposure": exposure, **note}
+    return {
+        "out": str(path),
+        "size": args.size,
+        "y_max": float(xyz[..., 1].max()),
+        "exposure": exposure,
+        **table.stuff,
+        **note,
+    }

@@ -15,7 +15,7 @@ from ..constants import CACHE_LIMIT_BYTES
 from ..errors import ParameterError
 from ..evaluate.directions import from_angles
 from ..light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, read_spectrum
-from ..parameters import ENSEMBLES, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
+from ..parameters import ENERGY, ENSEMBLES, LEVELS, ROW_AXES, SERIES, TILINGS, BakeParameters
 from ..scan.heightfield import HeightField
 
 if TYPE_CHECKING:
@@ -124,6 +124,58 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
     )
 
 
+def add_stuff(parser: argparse.ArgumentParser) -> None:
+    """--substrate, --film, --lacquer and --energy."""
+    parser.add_argument(
+        "--substrate",
+        metavar="MATERIAL",
+        help="what the surface is made of: a name such as Au or keratin, an index, n,k or a file; its reflectance goes"
+        " into the table",
+    )
+    parser.add_argument(
+        "--film",
+        action="append",
+        default=[],
+        metavar="MATERIAL:NM",
+        help="a film on it and its thickness; repeat it, outermost first; '(chitin:100,melanin:80)x12' repeats a group",
+    )
+    parser.add_argument("--lacquer", metavar="MATERIAL", help="a clear layer over the relief")
+    parser.add_argument(
+        "--energy",
+        choices=ENERGY,
+        default=BakeParameters().energy,
+        help="'capped' cuts each wavelength by its own excess inside the table; by default renderers divide",
+    )
+
+
+def stuff(args: argparse.Namespace) -> dict[str, Any]:
+    """Keyword arguments of `BakeParameters` that `add_stuff` collected; none where it was not asked."""
+    if "substrate" not in args:
+        return {}
+    from ..stack import material_of, parse_stack
+
+    lacquer = None if args.lacquer is None else material_of(args.lacquer)
+    return {"stack": parse_stack(args.substrate, args.film), "lacquer": lacquer, "energy": args.energy}
+
+
+def said_stuff(parameters: BakeParameters) -> dict[str, Any]:
+    """The same as `SpectralTable.stuff`, before there is a table."""
+    said: dict[str, Any] = {}
+    if parameters.stack is not None:
+        said = {"stack": str(parameters.stack), "notes": list(parameters.stack.notes)}
+    if parameters.lacquer is not None:
+        said["lacquer"] = {"material": parameters.lacquer.to_json(), "n": parameters.index}
+    return said
+
+
+def stuff_lines(result: dict[str, Any]) -> list[str]:
+    """What `SpectralTable.stuff` says, in words."""
+    lines = [f"R of {result['stack']} is inside"] if "stack" in result else []
+    if "lacquer" in result:
+        lines.append(f"under a lacquer of n = {result['lacquer']['n']:.4f}")
+    return lines
+
+
 def add_replicas(parser: argparse.ArgumentParser) -> None:
     """--replicas, for the ensemble ``periodic``."""
     parser.add_argument(
@@ -137,7 +189,7 @@ def bake_parameters(args: argparse.Namespace, **more: Any) -> BakeParameters:
     if "replicas" in args and args.ensemble == "periodic":
         more.setdefault("replicas", tuple(args.replicas))
     fields = {name: _si(args, key, factor) for name, key, factor in _FIELDS}
-    return BakeParameters(**fields, crop_m=crop(args), **more)
+    return BakeParameters(**fields, crop_m=crop(args), **stuff(args), **more)
 
 
 def parameter_values(args: argparse.Namespace) -> dict[str, list[Any]]:

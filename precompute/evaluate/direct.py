@@ -34,9 +34,10 @@ from ..constants import WAVELENGTH_MIN_M
 from ..errors import ParameterError, ScanError
 from ..light.colour import spectral_weights
 from ..light.illuminant import Illuminant
+from ..parameters import BakeParameters
 from ..scan.heightfield import HeightField
-from .directions import uvw
-from .surface import coherence_area, geometry_factor, relative_factor
+from ..stack import Material, Stack
+from .surface import coherence_area, geometry_factor, lacquer_factor, lacquer_uvw, relative_factor
 
 #: Aliased lags lie at least this many sigma_s beyond the patch, where the lag Gaussian is exp(-25).
 _LAG_MARGIN = 10.0
@@ -168,8 +169,10 @@ def direct_f(
     wavelength_m: float,
     normalisation: str = "absolute",
     dtype: type = np.complex128,
+    stack: Stack | None = None,
+    lacquer: Material | None = None,
 ) -> np.ndarray:
-    """The BRDF at one wavelength, without Fresnel (R = 1).
+    """The BRDF at one wavelength: R = 1, or that of a stack.
 
     Parameters
     ----------
@@ -187,6 +190,9 @@ def direct_f(
         ``absolute`` (1/sr) or ``relative`` (1 in the mirror direction of a flat patch at normal incidence).
     dtype
         Precision of the sums, see `DirectEvaluator`.
+    stack, lacquer
+        The surface's stuff, whose R at the half angle is multiplied in, and a clear layer over the relief, see
+        `precompute.evaluate.surface.lacquer_factor`.
 
     Returns
     -------
@@ -197,12 +203,15 @@ def direct_f(
     evaluator = DirectEvaluator(field, sigma_s_m, ensemble, dtype)
     scale = _scale(evaluator, normalisation)
     wi, wr = np.broadcast_arrays(np.asarray(wi, float), np.asarray(wr, float))
-    factor = geometry_factor(wi, wr) * scale(wi, wr, wavelength_m)
+    stuff = _Stuff(stack, lacquer)
+    factor = stuff.factor(wi, wr) * scale(wi, wr, wavelength_m)
+    lam = np.array([wavelength_m])
     result = np.zeros(factor.shape)
-    for index in np.ndindex(factor.shape):
-        if factor[index] > 0:
-            u, v, w = (float(x) for x in uvw(wi[index], wr[index]))
-            result[index] = factor[index] * evaluator.transform(u, v, w, wavelength_m)
+    for at in np.ndindex(factor.shape):
+        if factor[at] > 0:
+            u, v, w = stuff.uvw(wi[at], wr[at])
+            reflected = stuff.reflectance(lam, u, v, w)[0]
+            result[at] = factor[at] * reflected * evaluator.transform(u, v, w, wavelength_m)
     return result
 
 
@@ -216,15 +225,17 @@ def direct_xyz(
     step_m: float | None = None,
     normalisation: str = "absolute",
     dtype: type = np.complex64,
+    stack: Stack | None = None,
+    lacquer: Material | None = None,
 ) -> np.ndarray:
-    """The BRDF in XYZ, without Fresnel: ``integral f S xyz dlambda / integral S ybar dlambda``.
+    """The BRDF in XYZ, R = 1 or that of a stack: ``integral f S xyz dlambda / integral S ybar dlambda``.
 
     Parameters
     ----------
     step_m
         Step of the wavelength integral in metres; None takes a step for each pair of directions that resolves
         the lobes, see `DirectEvaluator.wavelength_step`.
-    field, sigma_s_m, ensemble, wi, wr, normalisation, dtype
+    field, sigma_s_m, ensemble, wi, wr, normalisation, dtype, stack, lacquer
         As in `direct_f`; the sum over wavelengths takes single precision unless told otherwise.
     illuminant
         Spectral distribution of the light, by name.
@@ -237,17 +248,42 @@ def direct_xyz(
     evaluator = DirectEvaluator(field, sigma_s_m, ensemble, dtype)
     scale = _scale(evaluator, normalisation)
     wi, wr = np.broadcast_arrays(np.asarray(wi, float), np.asarray(wr, float))
-    factor = geometry_factor(wi, wr)
+    stuff = _Stuff(stack, lacquer)
+    factor = stuff.factor(wi, wr)
     result = np.zeros((*factor.shape, 3))
     for index in np.ndindex(factor.shape):
         if factor[index] > 0:
-            u, v, w = (float(x) for x in uvw(wi[index], wr[index]))
+            u, v, w = stuff.uvw(wi[index], wr[index])
             step = evaluator.wavelength_step(u, v, w) if step_m is None else step_m
             wavelengths, weights = spectral_weights(illuminant=illuminant, step_m=step)
             spectrum = np.array([evaluator.transform(u, v, w, lam) for lam in wavelengths])
-            spectrum *= scale(wi[index], wr[index], wavelengths)
+            spectrum *= scale(wi[index], wr[index], wavelengths) * stuff.reflectance(wavelengths, u, v, w)
             result[index] = factor[index] * (spectrum @ weights)
     return result
+
+
+class _Stuff:
+    """What stack and lacquer make of directions."""
+
+    def __init__(self, stack: Stack | None, lacquer: Material | None) -> None:
+        self.stack, self.lacquer = stack, lacquer
+        self.index = BakeParameters(lacquer=lacquer).index
+
+    def factor(self, wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
+        """What T is multiplied by, R apart."""
+        return geometry_factor(wi, wr) if self.lacquer is None else lacquer_factor(wi, wr, self.index)
+
+    def uvw(self, wi: np.ndarray, wr: np.ndarray) -> tuple[float, float, float]:
+        """Coordinates of T for one pair of directions."""
+        u, v, w = (float(x) for x in lacquer_uvw(wi, wr, self.index))
+        return u, v, w
+
+    def reflectance(self, wavelengths_m: np.ndarray, u: float, v: float, w: float) -> np.ndarray:
+        """``(L,)`` R at the half angle."""
+        if self.stack is None:
+            return np.ones(len(wavelengths_m))
+        cosine = np.sqrt(u**2 + v**2 + w**2) / (2.0 * self.index)
+        return self.stack.reflectance(wavelengths_m, np.minimum(cosine, 1.0)[None], self.lacquer)[:, 0]
 
 
 def _scale(evaluator: DirectEvaluator, normalisation: str):

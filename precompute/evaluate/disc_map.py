@@ -8,6 +8,7 @@ The hemisphere is seen from above, orthographically: the pixel at (x, y) of the 
 from __future__ import annotations
 
 import os
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -56,10 +57,14 @@ def brdf_map(
     """
     directions, inside = disc_directions(check_size(size))
     xyz = np.zeros((size, size, 3))
-    for start in range(0, size, _BLOCK_ROWS):
+
+    def fill(start: int) -> None:
         rows = slice(start, start + _BLOCK_ROWS)
         here = inside[rows]
         xyz[rows][here] = brdf(table, wi, directions[rows][here], fresnel, energy_conserving)
+
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
+        list(pool.map(fill, range(0, size, _BLOCK_ROWS)))
     return xyz
 
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..errors import ParameterError
+from ..stack import Stack
 from .directions import from_angles, uvw
 from .surface import cos_half, geometry_factor, schlick
 
@@ -51,7 +52,13 @@ def order_directions(period_m: float, wavelength_m: float, theta_i: float) -> tu
 
 
 def order_efficiencies(
-    profile: np.ndarray, period_m: float, wavelength_m: float, theta_i: float, r0: float | None = None
+    profile: np.ndarray,
+    period_m: float,
+    wavelength_m: float,
+    theta_i: float,
+    r0: float | None = None,
+    stack: Stack | None = None,
+    conserving: bool = False,
 ) -> tuple[np.ndarray, np.ndarray]:
     """Parts of the incident power that the orders of a grating carry.
 
@@ -65,6 +72,16 @@ def order_efficiencies(
         Angle of incidence in radians, in the plane across the grooves.
     r0
         Reflectance at normal incidence of Schlick's R; None leaves Fresnel away (R = 1).
+    stack
+        What the grating is made of; its reflectance at each order's half angle takes the place of Schlick's.
+    conserving
+        Whether each order is divided by max(1, a(theta_i), a(theta_m)), a the sum of all orders with R = 1 of light
+        from there: then no direction sends out more than came in. The table's renderers do the same.
+
+    Raises
+    ------
+    ParameterError
+        For lengths, angles and profiles that make no sense, or both ``r0`` and ``stack``.
 
     Returns
     -------
@@ -78,9 +95,34 @@ def order_efficiencies(
         raise ParameterError("A profile is a row of at least two finite heights over one period.")
     m, wr = order_directions(period_m, wavelength_m, theta_i)
     wi = from_angles(theta_i, np.pi)
+    plain = _plain(profile, wavelength_m, m, wi, wr)
+    if stack is not None:
+        if r0 is not None:
+            raise ParameterError("Give either r0 or a stack: both are the reflectance.")
+        plain_r = stack.reflectance(np.array([wavelength_m]), cos_half(wi, wr))[0]
+    else:
+        plain_r = np.ones(len(m)) if r0 is None else schlick(cos_half(wi, wr), r0)
+    if conserving:
+        excess = np.array([_albedo(profile, period_m, wavelength_m, each) for each in wr])
+        plain = plain / np.maximum(1.0, np.maximum(plain.sum(), excess))
+    return m, plain_r * plain
+
+
+def _plain(profile: np.ndarray, wavelength_m: float, m: np.ndarray, wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
+    """Parts of the light in the orders, R = 1."""
     w = uvw(wi, wr)[2]
     x = np.arange(profile.size) / profile.size
     phase = 2.0 * np.pi * (w[:, None] / wavelength_m * profile - m[:, None] * x)
-    amplitude = np.exp(1j * phase).mean(axis=1)
-    reflected = 1.0 if r0 is None else schlick(cos_half(wi, wr), r0)
-    return m, reflected * geometry_factor(wi, wr) * np.abs(amplitude) ** 2
+    return geometry_factor(wi, wr) * np.abs(np.exp(1j * phase).mean(axis=1)) ** 2
+
+
+def _albedo(profile: np.ndarray, period_m: float, wavelength_m: float, place: np.ndarray) -> float:
+    """All that light from the place of an order sends out, R = 1.
+
+    Light from the side of positive x is light from that of negative x on the profile read backwards.
+    """
+    sine = float(place[0])
+    seen = profile if sine <= 0.0 else profile[::-1]
+    theta = float(np.arcsin(abs(sine)))
+    m, wr = order_directions(period_m, wavelength_m, theta)
+    return float(_plain(seen, wavelength_m, m, from_angles(theta, np.pi), wr).sum())

@@ -65,6 +65,21 @@ def scaled_transform(
     return np.broadcast_to(s**2, value.shape[:-1])[..., None] * value
 
 
+def check_scalable(table: SpectralTable) -> None:
+    """Refuse a table whose stuff is inside: its reflectance belongs to the angles of the surface as baked.
+
+    Raises
+    ------
+    ParameterError
+        For a table with a stack or a lacquer.
+    """
+    if table.has_stack or table.index > 1.0:
+        raise ParameterError(
+            "The table holds the reflectance of its stack or lacquer, which does not scale with the structure; bake the"
+            " other period or depth, or bake without a stack."
+        )
+
+
 class ScaledTable:
     """A table under one scale, depth and rotation, for everything that takes a table.
 
@@ -80,6 +95,9 @@ class ScaledTable:
         for name, value in (("scale", scale), ("depth", depth)):
             if not (np.isfinite(value) and value > 0):
                 raise ParameterError(f"A {name} of {value:g} makes no sense; give a positive number such as 0.5.")
+        if (scale, depth) != (1.0, 1.0):
+            check_scalable(table)
+        self.has_stack, self.index = table.has_stack, table.index
         self.table, self.scale, self.depth, self.rotation = table, float(scale), float(depth), float(rotation)
         self.info = table.info
 
@@ -138,6 +156,7 @@ def painted_brdf(
     ndarray
         ``(rows, cols, 3)`` XYZ in 1/sr.
     """
+    check_scalable(table)
     u, v, w = uvw(wi, wr)
     factor = geometry_factor(wi, wr) * mask
     return factor[..., None] * scaled_transform(table, u, v, w, scale, depth, rotation)

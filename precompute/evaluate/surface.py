@@ -21,6 +21,7 @@ import numpy as np
 
 from ..bake.window import check_ensemble, check_sigma_s, taper_axis, window_axis
 from ..errors import ParameterError
+from ..stack import fresnel_exact
 from .directions import uvw
 
 #: Refractive index of keratin, the stuff of scales and nails; the default of the Fresnel term.
@@ -33,6 +34,11 @@ class Transform(Protocol):
     def transform(self, u: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray: ...
 
     def albedo(self, directions: np.ndarray) -> np.ndarray: ...
+
+
+def _divisor(table: Transform, directions: np.ndarray) -> np.ndarray:
+    """What conserves energy at every wavelength, where the table knows that."""
+    return getattr(table, "conserving_albedo", table.albedo)(np.asarray(directions))
 
 
 def _lit(wi: np.ndarray, wr: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -61,6 +67,47 @@ def geometry_factor(wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
     return np.where(lit, (1.0 + dot) ** 2 / (cos_i * cos_r * (cos_i + cos_r) ** 2), 0.0)
 
 
+def refracted(directions: np.ndarray, index: float) -> np.ndarray:
+    """Directions inside a clear layer of that index: ``(..., 3)`` unit vectors, still pointing outwards."""
+    directions = np.asarray(directions, float)
+    inside = directions / index
+    inside[..., 2] = np.sqrt(np.maximum(1.0 - inside[..., 0] ** 2 - inside[..., 1] ** 2, 0.0))
+    return inside
+
+
+def lacquer_uvw(wi: np.ndarray, wr: np.ndarray, index: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(u, v, w') of a relief under a clear layer: u and v as in air, ``w' = -n (cos_i' + cos_r')``."""
+    u, v, w = uvw(wi, wr)
+    if index > 1.0:
+        w = -index * (refracted(wi, index)[..., 2] + refracted(wr, index)[..., 2])
+    return u, v, w
+
+
+def lacquer_factor(wi: np.ndarray, wr: np.ndarray, index: float) -> np.ndarray:
+    """What T(u, v, w') is multiplied by under a clear layer of index n.
+
+    ``t_i t_r (1 + wi'.wr')^2 / (cos_i' cos_r' (w'/n)^2)`` with the refracted directions and the transmittances t of the
+    outer face; the n^2 of the solid angles and that of the wavelength inside cancel. Light that meets the outer face
+    from inside and is sent back is left out.
+
+    Parameters
+    ----------
+    wi, wr
+        ``(..., 3)`` unit vectors outside.
+    index
+        Refractive index n of the layer.
+
+    Returns
+    -------
+    ndarray
+        ``(...)``; 0 where a direction is not above the surface.
+    """
+    inner = geometry_factor(refracted(wi, index), refracted(wr, index))
+    cos_i, cos_r, lit = _lit(np.asarray(wi, float), np.asarray(wr, float))
+    through = (1.0 - fresnel_exact(index, cos_i)) * (1.0 - fresnel_exact(index, cos_r))
+    return np.where(lit, through * inner, 0.0)
+
+
 def cos_half(wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
     """Cosine of the angle between either direction and their half vector; ``(...)`` for ``(..., 3)``."""
     dot = (np.asarray(wi, float) * np.asarray(wr, float)).sum(axis=-1)
@@ -87,8 +134,8 @@ def reflectance(wi: np.ndarray, wr: np.ndarray, fresnel: float | None) -> np.nda
 
 
 def conservation(table: Transform, wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
-    """``1 / max(1, a(wi), a(wr))``, reciprocal, which keeps the directional albedo at or below 1."""
-    return 1.0 / np.maximum(1.0, np.maximum(table.albedo(np.asarray(wi)), table.albedo(np.asarray(wr))))
+    """``1 / max(1, A(wi), A(wr))``, reciprocal, which keeps the directional albedo at or below 1."""
+    return 1.0 / np.maximum(1.0, np.maximum(_divisor(table, wi), _divisor(table, wr)))
 
 
 def brdf(
@@ -103,7 +150,8 @@ def brdf(
     Parameters
     ----------
     table
-        A `precompute.table.table.SpectralTable`.
+        A `precompute.table.table.SpectralTable`. What it says of a stack and of a lacquer counts: the stack's
+        reflectance is inside, the lacquer's faces are added here.
     wi, wr
         ``(..., 3)`` unit vectors towards the light and the viewer; they broadcast.
     fresnel
@@ -115,14 +163,26 @@ def brdf(
     -------
     ndarray
         ``(..., 3)`` XYZ in 1/sr; 0 where a direction is not above the surface.
+
+    Raises
+    ------
+    ParameterError
+        If ``fresnel`` is given and the table holds a stack's reflectance already.
     """
     wi, wr = np.broadcast_arrays(np.asarray(wi, float), np.asarray(wr, float))
-    factor = geometry_factor(wi, wr) * reflectance(wi, wr, fresnel)
+    index = float(getattr(table, "index", 1.0))
+    if fresnel is not None and (index > 1.0 or getattr(table, "has_stack", False)):
+        raise ParameterError("The table holds the reflectance of its stack already; leave 'fresnel' out.")
+    if index > 1.0:
+        factor = lacquer_factor(wi, wr, index)
+    else:
+        factor = geometry_factor(wi, wr) * reflectance(wi, wr, fresnel)
     if energy_conserving:
         factor = factor * conservation(table, wi, wr)
     lit = factor > 0
     # Directions below the surface may have w = 0; look the normal up instead and drop it.
-    u, v, w = (np.where(lit, x, harmless) for x, harmless in zip(uvw(wi, wr), (0.0, 0.0, -2.0), strict=True))
+    seen = zip(lacquer_uvw(wi, wr, index), (0.0, 0.0, -2.0), strict=True)
+    u, v, w = (np.where(lit, x, harmless) for x, harmless in seen)
     return np.where(lit[..., None], factor[..., None] * table.transform(u, v, w), 0.0)
 
 

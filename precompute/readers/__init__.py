@@ -22,9 +22,9 @@ import numpy as np
 
 from ..errors import DiffractionError, ScanError, SizeLimitError
 from ..scan.heightfield import HeightField
-from .common.channel import Channel, Samples, choose_channel
+from .common.channel import Channel, Samples, choose_channels
 from .common.limits import LIMIT_FILE_BYTES, LIMIT_FILE_BYTES_CROPPED, check_shape, while_cropping
-from .common.plausible import check_relief, check_side
+from .common.plausible import ImplausibleReliefError, check_relief, check_side
 from .common.units import metres_per
 from .common.window import part
 from .formats import Format, find_format
@@ -92,10 +92,7 @@ def read_scan(
                 "A plain image carries no units; give its size and height range, e.g. --size-um 65 65 --height-nm 800."
             )
         channels = form.read(path)
-        chosen = choose_channel(channels, channel, height_m is not None)
-        samples = chosen.load()
-        scale = _Scale(size_m, height_m, trust_units or samples.trusted)
-        field = _heightfield(path, form, channels, chosen, samples, scale, crop_m)
+        field, chosen = _first_plausible(path, form, channels, channel, (size_m, height_m, trust_units), crop_m)
         after = path.stat()
         if (before.st_size, before.st_mtime_ns) != (after.st_size, after.st_mtime_ns):
             raise ScanError("The file changed while it was read; open it again.")
@@ -149,6 +146,34 @@ def _check_user_scale(size_m: tuple[float, float] | None, height_m: float | None
         raise ScanError(f"The size {tuple(size_m)} m makes no sense; give two positive side lengths.")
     if height_m is not None and not (np.isfinite(height_m) and height_m > 0):
         raise ScanError(f"The height range {height_m} m makes no sense; give a positive height.")
+
+
+def _first_plausible(
+    path: Path,
+    form: Format,
+    channels: list[Channel],
+    wanted: str | None,
+    said: tuple[tuple[float, float] | None, float | None, bool],
+    crop_m: tuple[float, float, float, float] | None,
+) -> tuple[HeightField, Channel]:
+    """The heights of the channel that is wanted, else of the best one whose heights can be heights.
+
+    A sensor that is not calibrated stores volts where its file says metres; the drive's heights are right then.
+    """
+    size_m, height_m, trust_units = said
+    passed_over: list[tuple[Channel, ImplausibleReliefError]] = []
+    for chosen in choose_channels(channels, wanted, height_m is not None):
+        samples = chosen.load()
+        scale = _Scale(size_m, height_m, trust_units or samples.trusted)
+        try:
+            field = _heightfield(path, form, channels, chosen, samples, scale, crop_m)
+        except ImplausibleReliefError as error:
+            passed_over.append((chosen, error))
+            continue
+        for other, implausible in passed_over:
+            field.metadata["notes"].append(f"channel {other.name} was passed over: {implausible.what}")
+        return field, chosen
+    raise passed_over[0][1]
 
 
 @dataclass(frozen=True)
@@ -319,11 +344,13 @@ class _Sentences:
             return
         if isinstance(error, DiffractionError):
             # The reader does not know the name; the user with ten files wants it.
-            raise type(error)(_printable(f"{self._path.name}: {error}")) from error
+            kind = ScanError if isinstance(error, ScanError) else type(error)
+            raise kind(_printable(f"{self._path.name}: {error}")) from error
         if isinstance(error, ImportError):
             missing = error.name or "a library"
             raise ScanError(
-                f"{self._path.name}: this format needs the Python package '{missing}', which is not installed."
+                f"{self._path.name}: this format needs the Python package '{missing}', which is not installed; install "
+                "it, or export the heights as .gsf."
             ) from error
         if isinstance(error, OSError) and error.errno is not None:
             raise ScanError(_printable(f"{self._path.name}: cannot be read ({error.strerror}).")) from error

@@ -16,6 +16,7 @@ from .common.channel import Channel
 from .common.tiff_tags import first_tags
 
 _HEAD_BYTES = 4096
+_HDF = b"\x89HDF\r\n\x1a\n"
 
 
 @dataclass(frozen=True)
@@ -76,8 +77,17 @@ def _is_opd(path: Path, head: bytes) -> bool:
     return head[2:11] == b"Directory"
 
 
-def _is_x3p(path: Path, head: bytes) -> bool:
-    return path.suffix.lower() == ".x3p"
+def _is_ardf(path: Path, head: bytes) -> bool:
+    return head[8:12] == b"ARDF"
+
+
+def _is_sm4(path: Path, head: bytes) -> bool:
+    return head[2:18] == "STiMage ".encode("utf-16-le")
+
+
+def _ends(extension: str) -> Callable[[Path, bytes], bool]:
+    """For archives, whose first bytes tell nothing: the name decides."""
+    return lambda path, head: path.suffix.lower() == extension
 
 
 def _is_points(path: Path, head: bytes) -> bool:
@@ -97,7 +107,29 @@ FORMATS: tuple[Format, ...] = (
         (b"\\*File list", b"\\*EC File list", b"?*File list", b"\\*Force file list"),
     ),
     Format("igor", (".ibw",), "probe.igor", "read_ibw"),
-    Format("x3p", (".x3p",), "optical.x3p", "read_x3p", (b"PK\x03\x04",), _is_x3p),
+    Format("x3p", (".x3p",), "optical.x3p", "read_x3p", (b"PK\x03\x04",), _ends(".x3p")),
+    Format("plux", (".plux",), "optical.plux", "read_plux", (b"PK\x03\x04",), _ends(".plux")),
+    Format("npz", (".npz",), "plain.npy", "read_npz", (b"PK\x03\x04",), _ends(".npz")),
+    Format("npy", (".npy",), "plain.npy", "read_npy", (b"\x93NUMPY",)),
+    Format("vk", (".vk3", ".vk4", ".vk6", ".vk7"), "optical.keyence", "read_vk", (b"VK3_", b"VK4_", b"VK6", b"VK7")),
+    Format(
+        "metropro",
+        (),
+        "optical.metropro",
+        "read_dat",
+        (b"\x88\x1b\x03\x6f", b"\x88\x1b\x03\x70", b"\x88\x1b\x03\x71"),
+    ),
+    Format("opdx", (".opdx",), "optical.opdx", "read_opdx", (b"VCA DATA\x01\0\0\x55",)),
+    Format("datx", (".datx",), "optical.datx", "read_datx", (_HDF,), _ends(".datx")),
+    Format("nhf", (".nhf",), "probe.nanosurf_hdf", "read_nhf", (_HDF,), _ends(".nhf")),
+    Format("h5-jpk", (), "probe.jpk_hdf", "read_h5_jpk", (_HDF,), _ends(".h5-jpk")),
+    Format("al3d", (".al3d",), "optical.al3d", "read_al3d", (b"AliconaImaging\0\r\n",)),
+    Format("nms", (".nms",), "optical.nms", "read_nms"),
+    Format("mi", (".mi",), "probe.mi", "read_mi", (b"fileType",)),
+    Format("ardf", (".ardf",), "probe.ardf", "read_ardf", (), _is_ardf),
+    Format("omicron", (), "probe.omicron_flat", "read_flat", (b"FLAT0100",)),
+    Format("sm4", (".sm4",), "probe.sm4", "read_sm4", (), _is_sm4),
+    Format("mdt", (".mdt",), "probe.mdt", "read_mdt", (b"\x01\xb0\x93\xff",)),
     Format("nanosurf", (".nid", ".ezd"), "probe.nanosurf", "read_nid", (b"[DataSet]",)),
     Format("park", (".tiff", ".tif"), "probe.park", "read_park", (b"II*\0", b"MM\0*"), _is_park),
     Format("jpk", (".jpk",), "probe.jpk", "read_jpk", (b"II*\0", b"MM\0*"), _is_jpk),

@@ -175,7 +175,7 @@ def albedo_free_cosine(table: SpectralTable) -> float:
     0 where none passes 1 at all, more than 1 where that happens straight above already.
     """
     layout = table.layout
-    first = layout.albedo_y + 1
+    first = layout.conserving_y + 1
     above = (table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0] > 1.0).any(axis=0)
     if not above.any():
         return 0.0
@@ -257,7 +257,7 @@ def _masses(table: SpectralTable, tiles: np.ndarray, i: int):
     place = lower * stride + left
     flat = tiles.reshape(-1)
 
-    first = layout.albedo_y + 1
+    first = layout.conserving_y + 1
     albedo = np.maximum(table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0].astype(np.float32), 1.0)
     polar = np.rint(np.arccos(np.minimum(cos_i, 1.0)) * ((layout.n_theta - 1) / (0.5 * np.pi))).astype(int)
     # Azimuth of wi relative to the viewer's, in rows of the albedo.
@@ -300,15 +300,20 @@ def _invert(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     turn = np.zeros((N_ROWS, N_PHI, 3), np.float32)
     used, first = np.unique(row, return_index=True)
     last = np.append(first[1:], N_R)
+    steps = np.maximum(at[:, last] - at[:, first], 0.0).T
+    steps = np.maximum(steps, _ANGLE_FLOOR * steps.mean(axis=1, keepdims=True))
+    # All rows in one table: that of row k runs from k to k + 1, its ends are known.
+    count = np.arange(len(used))[:, None]
+    cdf = np.concatenate([np.zeros((len(used), 1)), np.cumsum(steps, axis=1)], axis=1)
+    cdf /= cdf[:, -1:]
     sectors = np.linspace(0.0, 1.0, len(mass) + 1)
     targets = np.linspace(0.0, 1.0, 2 * N_PHI + 1)
-    for index, start, stop in zip(used, first, last, strict=True):
-        steps = np.maximum(at[:, stop] - at[:, start], 0.0)
-        steps = np.maximum(steps, _ANGLE_FLOOR * steps.mean())
-        cdf = np.concatenate([[0.0], np.cumsum(steps)])
-        # Few digits make the file small; no step is so narrow that they would close it.
-        angles = np.rint(np.interp(targets * cdf[-1], cdf, sectors) * 2.0**19) / 2.0**19
-        turn[index] = np.stack([angles[:-1:2], angles[2::2], angles[1::2]], -1)
+    found = np.interp((targets + count).ravel(), (cdf + count).ravel(), np.tile(sectors, len(used)))
+    angles = found.reshape(len(used), -1)
+    angles[:, 0], angles[:, -1] = 0.0, 1.0
+    # Few digits make the file small; no step is so narrow that they would close it.
+    angles = np.rint(angles * 2.0**19) / 2.0**19
+    turn[used] = np.stack([angles[:, :-1:2], angles[:, 2::2], angles[:, 1::2]], -1)
     return np.stack([radius[:-1], radius[1:]], -1), row, turn
 
 

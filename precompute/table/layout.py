@@ -52,7 +52,8 @@ class TableLayout:
     w_max
         |w| of the last slice: 2, or 2 n under a lacquer of index n.
     n_albedo
-        Albedo tiles one above the other; the first is that of the surface as baked.
+        Albedo tiles one above the other: the first for X, Y and Z, the second, where there is one, what a renderer
+        divides by so that no wavelength passes 1; what follows is for others than the surface as baked.
     n_reflectance
         Polar angles of the row that holds the reflectance of the surface's stuff; 0 has no such row.
     guarded
@@ -97,6 +98,16 @@ class TableLayout:
         return (self.n_r - 1) / math.asinh(R_MAX / self.r0)
 
     @property
+    def index(self) -> float:
+        """Refractive index of what lies over the relief: 1, or that of a lacquer."""
+        return self.w_max / W_MAX
+
+    @property
+    def holds_reflectance(self) -> bool:
+        """Whether the surface's stuff (stack, lacquer) is inside: then a renderer has no R of its own."""
+        return self.n_reflectance > 0
+
+    @property
     def s_w(self) -> float:
         """asinh(w_min / w0)."""
         return math.asinh(self.w_min / self.w0)
@@ -127,6 +138,11 @@ class TableLayout:
     def albedo_y(self) -> int:
         """First texel row of the albedo tile."""
         return self.tile_rows * self.tile_height
+
+    @property
+    def conserving_y(self) -> int:
+        """First texel row of the albedo tile that renderers divide by."""
+        return self.albedo_y + (self.albedo_height if self.n_albedo > 1 else 0)
 
     @property
     def albedo_height(self) -> int:
@@ -201,7 +217,7 @@ class TableLayout:
         if not self.guarded:  # as format 1 has it
             return {name: value for name, value in numbers.items() if name not in _SINCE_2}
         guard = dict(zip(("guard_high", "guard_middle", "guard_low"), GUARD, strict=True))
-        places = {name: getattr(self, name) for name in ("reflectance_y", "guard_x", "guard_y")}
+        places = {name: getattr(self, name) for name in ("conserving_y", "reflectance_y", "guard_x", "guard_y")}
         return {**numbers, **places, **guard}
 
     @classmethod
@@ -224,7 +240,7 @@ class TableLayout:
 #: What format 1 does not know, and what a sidecar must not contradict.
 _SINCE_2 = ("w_max", "n_albedo", "n_reflectance", "guarded")
 _PLACES = (
-    *("width", "height", "albedo_y", "tile_rows", "reflectance_y"),
+    *("width", "height", "albedo_y", "tile_rows", "conserving_y", "reflectance_y"),
     *("guard_x", "guard_y", "guard_high", "guard_middle", "guard_low"),
 )
 

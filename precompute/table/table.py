@@ -72,9 +72,13 @@ class SpectralTable:
         left = np.clip(x.astype(int), 0, self.layout.width - 2)
         below = np.clip(y.astype(int), 0, self.layout.height - 2)
         fx, fy = (x - left)[..., None], (y - below)[..., None]
-        texel = self.atlas
-        low = texel[below, left] * (1.0 - fx) + texel[below, left + 1] * fx
-        high = texel[below + 1, left] * (1.0 - fx) + texel[below + 1, left + 1] * fx
+        texels = self.atlas.reshape(-1, 3)
+        at = below * self.layout.width + left
+        low = np.take(texels, at, axis=0) * (1.0 - fx)
+        low += np.take(texels, at + 1, axis=0) * fx
+        at += self.layout.width
+        high = np.take(texels, at, axis=0) * (1.0 - fx)
+        high += np.take(texels, at + 1, axis=0) * fx
         return low * (1.0 - fy) + high * fy
 
     def albedo(self, directions: np.ndarray) -> np.ndarray:
@@ -85,13 +89,26 @@ class SpectralTable:
         directions
             ``(..., 3)`` unit vectors in the local frame.
         """
+        return self._albedo(directions, self.layout.albedo_y)
+
+    def conserving_albedo(self, directions: np.ndarray) -> np.ndarray:
+        """What the energy-conserving form divides by, where it passes 1: so that no wavelength's albedo does.
+
+        Parameters
+        ----------
+        directions
+            ``(..., 3)`` unit vectors in the local frame.
+        """
+        return self._albedo(directions, self.layout.conserving_y)
+
+    def _albedo(self, directions: np.ndarray, first: int) -> np.ndarray:
         directions = np.asarray(directions, np.float64)
         layout = self.layout
         theta = np.arccos(np.clip(directions[..., 2], 0.0, 1.0))
         phi = np.arctan2(directions[..., 1], directions[..., 0])
         column = theta * ((layout.n_theta - 1) / (0.5 * np.pi))
         row = np.mod(phi * (layout.n_albedo_phi / (2.0 * np.pi)), layout.n_albedo_phi)
-        return self._bilinear(column, layout.albedo_y + 1.0 + row)[..., 0]
+        return self._bilinear(column, first + 1.0 + row)[..., 0]
 
     @property
     def format_version(self) -> int:
@@ -104,8 +121,38 @@ class SpectralTable:
         return table_light(self.info["colour"])
 
     @property
+    def has_stack(self) -> bool:
+        """Whether the reflectance of the surface's stuff is inside."""
+        return self.info.get("stack") is not None
+
+    @property
+    def stuff(self) -> dict[str, Any]:
+        """What a command says of stack (in words, with notes) and lacquer; what is not there is left out."""
+        stack, lacquer = self.info.get("stack"), self.info.get("lacquer")
+        said: dict[str, Any] = {} if stack is None else {"stack": stack["text"], "notes": list(stack["notes"])}
+        return said if lacquer is None else {**said, "lacquer": dict(lacquer)}
+
+    @property
+    def index(self) -> float:
+        """Refractive index of the lacquer over the relief; 1 for air."""
+        lacquer = self.info.get("lacquer")
+        return 1.0 if lacquer is None else float(lacquer["n"])
+
+    def reflectance(self, cosine: np.ndarray) -> np.ndarray:
+        """``(..., 3)`` XYZ, 1 as white: what stack and lacquer keep from below towards a view at this cosine.
+
+        0 for a table without them.
+        """
+        cosine = np.asarray(cosine, np.float64)
+        layout = self.layout
+        if not layout.n_reflectance:
+            return np.zeros((*cosine.shape, 3))
+        column = np.arccos(np.clip(cosine, 0.0, 1.0)) * ((layout.n_reflectance - 1) / (0.5 * np.pi))
+        return self._bilinear(column, np.full_like(column, layout.reflectance_y))
+
+    @property
     def albedo_max(self) -> float:
-        """Largest directional albedo of the raw model."""
+        """Largest entry of what the energy-conserving form divides by."""
         return float(self.info["albedo_max"])
 
     def save(self, path: str | Path) -> Path:

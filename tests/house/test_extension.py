@@ -5,11 +5,16 @@ import json
 import os
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
+
+from tools.build.build_extension import zip_name
+from tools.build.check_manifest import fits, load_manifest, version
+from tools.build.requirements import BLENDERS
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULE = "bl_ext.user_default.diffraction_shader"
@@ -52,21 +57,37 @@ import colour, matplotlib.pyplot, OpenEXR, scipy.fft, scipy.ndimage, scipy.signa
 import dateutil, PIL.Image
 for module in (colour, matplotlib, OpenEXR, scipy, threadpoolctl, tifffile):
     assert module.__file__.startswith(sys.argv[1]), module.__file__
+from diffraction_shader.precompute import cli
+for line in (
+    "preset sinusoid --size-um 8 --pixels 96 --out s.gsf",
+    "bake s.gsf --detail 0.1 --sigma-s-um 0.5 --out out",
+    "map out/s.exr --theta-i 30 --phi-i 0 --size 32 --out map.png",
+    "reflectance s.gsf --theta-i 20 --from 0 --to 15 --step 5 --out plot.png",
+    "reflectance s.gsf --theta-i 20 --from 0 --to 15 --step 5 --out plot.pdf",
+):
+    assert not cli.main(line.split()), line
+from pathlib import Path
+from diffraction_shader.precompute.readers import read_scan
+from diffraction_shader.precompute.scan import levelling_picture
+scan = read_scan(Path("s.gsf"))
+levelling_picture.levelling_picture(scan, scan)
 """
+
+
+def script(name, *arguments):
+    """Run a script of tools/build."""
+    command = [sys.executable, ROOT / "tools" / "build" / name, *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 @pytest.fixture(scope="session")
 def extension_zip():
-    """The extension for this platform, built by the project's own script."""
-    fetched = subprocess.run(
-        [sys.executable, ROOT / "tools" / "build" / "fetch_wheels.py"], capture_output=True, text=True, check=False
-    )
+    """The extension for this platform and Python, built by the project's own script."""
+    fetched = script("fetch_wheels.py", "--python", "current")
     if fetched.returncode and "CI" not in os.environ and "Connection" in fetched.stderr:
         pytest.skip(f"the wheels cannot be downloaded: {fetched.stderr.strip().splitlines()[-1]}")
     assert fetched.returncode == 0, fetched.stderr
-    built = subprocess.run(
-        [sys.executable, ROOT / "tools" / "build" / "build_extension.py"], capture_output=True, text=True, check=False
-    )
+    built = script("build_extension.py", "--python", "current")
     assert built.returncode == 0, built.stderr
     return ROOT / built.stdout.split("  ")[0]
 
@@ -119,20 +140,52 @@ def test_it_can_be_disabled_and_enabled_again(installed):
 
 
 def test_the_bundled_libraries_work_with_blenders_numpy_alone(installed, tmp_path):
-    """Nothing of the environment but numpy can be found, as in a Blender that a user installs."""
+    """Nothing but numpy can be found besides, as in a Blender that a user installs; all that needs them runs."""
     _, user = installed
     packages = next((user / "extensions" / ".local").glob("**/site-packages"))
     numpy = Path(np.__file__).parent
     for folder in [numpy, *numpy.parent.glob("numpy.libs")]:
         (tmp_path / folder.name).symlink_to(folder)
     done = subprocess.run(
-        [sys.executable, "-I", "-c", OUTSIDE_BLENDER, str(packages), str(tmp_path)],
+        [
+            sys.executable,
+            "-I",
+            "-c",
+            OUTSIDE_BLENDER,
+            str(packages),
+            str(tmp_path),
+            str(user / "extensions/user_default"),
+        ],
+        cwd=tmp_path,
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
     assert not list(packages.glob("numpy"))
+
+
+def test_the_zip_is_small_and_of_one_python(extension_zip):
+    """The wheels of the other Pythons alone would nearly double it."""
+    with zipfile.ZipFile(extension_zip) as archive:
+        names = [name for name in archive.namelist() if name.endswith(".whl")]
+        manifest = tomllib.loads(archive.read("blender_manifest.toml").decode())
+    python = "{}.{}".format(*sys.version_info)
+    assert all(fits(name.rpartition("/")[2], python) for name in names)
+    assert sorted(manifest["wheels"]) == sorted(f"./{name}" for name in names)
+    assert extension_zip.stat().st_size < 75e6
+    first, too_new = BLENDERS[python]
+    assert (manifest["blender_version_min"], manifest.get("blender_version_max")) == (first, too_new)
+
+
+def test_every_blender_finds_a_zip():
+    """The ranges of the zips meet: from the oldest Blender of the manifest on, without an end."""
+    ranges = sorted(BLENDERS.values(), key=lambda pair: version(pair[0]))
+    manifest, _ = load_manifest()
+    assert ranges[0][0] == manifest["blender_version_min"]
+    assert [too_new for _, too_new in ranges] == [*(first for first, _ in ranges[1:]), None]
+    names = {zip_name(manifest, "linux-x64", python) for python in BLENDERS}
+    assert len(names) == len(BLENDERS)
 
 
 def test_only_what_runs_is_in_the_zip(extension_zip):

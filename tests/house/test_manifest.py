@@ -24,6 +24,7 @@ def state(check):
         "pins": check.pins_by_python(),
         "lock": check.read_lock(),
         "tags": check.valid_tags(),
+        "changelog": check.read_changelog(),
     }
 
 
@@ -86,3 +87,22 @@ def test_numpy_is_never_pinned_for_the_bundle(state):
 
 def test_all_versions_are_pinned(state):
     assert all(pin.count("==") == 1 for pins in state["pins"].values() for pin in pins)
+
+
+@pytest.mark.parametrize(
+    ("blenders", "word"),
+    [
+        ({"3.11": ("4.5.0", "5.0.0"), "3.13": ("5.1.0", None)}, "ends at 5.0.0"),
+        ({"3.11": ("4.5.0", "5.2.0"), "3.13": ("5.1.0", None)}, "ends at 5.2.0"),
+        ({"3.11": ("4.5.0", "5.1.0"), "3.13": ("5.1.0", "6.0.0")}, "ends at 6.0.0"),
+        ({"3.13": ("5.1.0", None)}, "differs from 5.1.0"),
+        ({"3.11": ("4.2.0", "5.1.0"), "3.13": ("5.1.0", None)}, "4.5.0 or later"),
+    ],
+)
+def test_a_gap_between_the_zips_is_told(check, state, blenders, word):
+    assert any(word in sentence for sentence in check.blender_problems(state["manifest"], blenders))
+
+
+def test_an_end_of_all_blenders_is_told(check, state):
+    state["manifest"]["blender_version_max"] = "6.0.0"
+    assert any("blender_version_max" in sentence for sentence in check.problems(**state))

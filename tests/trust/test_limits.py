@@ -57,7 +57,7 @@ print(json.dumps([told, peak_rss_bytes()]))
     told, peak = json.loads(done.stdout)
     assert len(told) == 2 and told[0] <= told[1]
     # What the libraries take differs by some tens of megabytes with their versions and with the number of cores.
-    assert told[1] == pytest.approx(peak, rel=0.3, abs=80e6)
+    assert told[1] == pytest.approx(peak, rel=0.3, abs=60e6)
 
 
 def test_too_little_memory_is_refused_before_the_allocation():
@@ -79,8 +79,8 @@ def test_a_scan_that_would_be_refined_is_refused_before_it_is():
 def test_what_is_free_is_the_limit(monkeypatch):
     free = memory.available_bytes()
     assert free is None or free > 10_000_000
-    monkeypatch.setattr("precompute.bake.budget.available_bytes", lambda: 100_000_000)
-    with pytest.raises(SizeLimitError, match=r"0\.10 GB are free"):
+    monkeypatch.setattr("precompute.bake.budget.available_bytes", lambda: 50_000_000)
+    with pytest.raises(SizeLimitError, match=r"0\.05 GB are free"):
         bake(small_scan(1), BakeParameters())
     monkeypatch.setattr("precompute.bake.budget.available_bytes", lambda: None)
     assert bake(small_scan(1), BakeParameters(sigma_s_m=0.5e-6, detail=0.5)).albedo_max > 0

@@ -17,7 +17,7 @@ def f_cos_xyz(table, wi, wr, conserve=True):
     u, v, w = np.moveaxis(-(safe_i + safe_r), -1, 0)
     factor = (1 + (safe_i * safe_r).sum(-1)) ** 2 / (safe_r[..., 2] * w**2)
     if conserve:
-        factor = factor / np.maximum(1.0, np.maximum(table.albedo(safe_i), table.albedo(safe_r)))
+        factor = factor / np.maximum(1.0, np.maximum(table.conserving_albedo(safe_i), table.conserving_albedo(safe_r)))
     return np.where(lit[..., None], factor[..., None] * table.transform(u, v, w), 0.0)
 
 

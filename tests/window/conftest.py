@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A Blender window with the extension in it, for all tests of a run; they follow each other as a working day does."""
 
+import contextlib
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -15,6 +17,13 @@ from tests.window.drivers import Rig, Simulated
 ROOT = Path(__file__).resolve().parents[2]
 
 SKIPPED = "no Blender window: give BLENDER=path of a Blender, or WINDOW_RIG= and WINDOW_FOLDER="
+
+
+def pytest_collection_modifyitems(items):
+    """Minutes each, and only on request."""
+    for item in items:
+        if Path(item.path).parent == ROOT / "tests" / "window":
+            item.add_marker(pytest.mark.slow)
 
 
 @pytest.fixture(scope="session")
@@ -38,10 +47,17 @@ def zipped(work):
         out = work / "extension.zip"
         subprocess.run([sys.executable, str(Path(rig) / "zip314.py"), str(ROOT), str(out)], check=True)
         return out
-    subprocess.run(
-        [sys.executable, str(ROOT / "tools/build/build_extension.py"), "--platform", "linux-x64"], check=True
-    )
-    return max(ROOT.glob("dist/*linux*.zip"), key=lambda path: path.stat().st_mtime)
+    build = [sys.executable, str(ROOT / "tools/build/build_extension.py"), "--platform", "linux-x64"]
+    subprocess.run(build, check=True)
+    told = subprocess.run([os.environ["BLENDER"], "--version"], check=True, capture_output=True, text=True).stdout
+    version = _version(re.search(r"Blender (\d+\.\d+)", told))
+    zips = {_version(re.search(r"blender_(\d+\.\d+)", path.name)): path for path in ROOT.glob("dist/*linux*.zip")}
+    return zips[max(first for first in zips if first <= version)]
+
+
+def _version(found):
+    """Numbers of a release in a name."""
+    return tuple(map(int, found.group(1).split(".")))
 
 
 @pytest.fixture(scope="session")
@@ -62,10 +78,21 @@ def desk(work):
         driver.quit()
 
 
+@pytest.fixture(scope="session")
+def enabled(desk, zipped):
+    """The window with the extension installed from disk, its tab open."""
+    options = f"filepath={str(zipped)!r}, repo='user_default', enable_on_install=True"
+    desk.run(f"bpy.ops.extensions.package_install_files({options})")
+    assert desk.look("[a.module for a in bpy.context.preferences.addons if 'diffraction' in a.module]")
+    desk.open_sidebar()
+    return desk
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
     """A picture of what the screen showed when a test failed."""
     report = yield
     if call.when == "call" and report.failed and "desk" in item.funcargs:
-        item.funcargs["desk"].shot(f"failed_{item.name}")
+        with contextlib.suppress(AssertionError, subprocess.SubprocessError):  # a window that does not answer
+            item.funcargs["desk"].shot(f"failed_{item.name}")
     return report

@@ -37,6 +37,81 @@ class Desk:
         """A property of the scene's panel."""
         return self.look(f"{STATE}.{name}")
 
+    def open_sidebar(self):
+        """The sidebar's tab, and the help of the probe, which a new file has not forgotten but whose places changed."""
+        self.run("area().spaces.active.show_region_ui = True")
+        time.sleep(0.5)
+        self.run("show_tab()")
+        time.sleep(0.5)
+        self._places = []
+
+    def new_file(self):
+        """File > New > General."""
+        self.run("with anywhere(): bpy.ops.wm.read_homefile()")
+        time.sleep(1.0)
+        self.open_sidebar()
+
+    def settle(self):
+        """Until what was asked for has been drawn."""
+        time.sleep(0.8)
+        self.run("0")
+
+    def over_view(self):
+        """The mouse over the 3-D view, where its keys go."""
+        x, y, width, height = self.look("rectangle('VIEW_3D', 'WINDOW')")
+        self.driver.point(x + width // 3, y + height // 2)
+
+    def browse(self, what, path, **options):
+        """Press a button that opens a file browser, choose a file there, or leave it by Esc for None.
+
+        Returns
+        -------
+        dict
+            The options that the browser offered at first.
+        """
+        windows = self.look("len(bpy.context.window_manager.windows)")
+        self.press(what, wait=False)
+        deadline = time.monotonic() + 30.0
+        while self.look("len(bpy.context.window_manager.windows)") == windows:
+            assert time.monotonic() < deadline, "No file browser opened"
+            time.sleep(0.2)
+        self.settle()
+        space = f"window({windows}).screen.areas[0].spaces.active"
+        active = f"{space}.active_operator"
+        offered = {name: self.look(f"{active}.{name}") for name in ("size_um", "height_nm")}
+        self.last_folder = self.look(f"{space}.params.directory.decode()")
+        x, y, width, height = self.look(f"rectangle('FILE_BROWSER', 'WINDOW', {windows})")
+        self.driver.point(x + width // 2, y + height // 2, windows)
+        if path is None:
+            self.driver.key("ESC", windows)
+        else:
+            for name, value in options.items():
+                self.run(f"{active}.{name} = {value!r}")
+            self.run(f"p = {space}.params\np.directory = {str(path.parent)!r}.encode()\np.filename = {path.name!r}")
+            self.settle()
+            self.run(f"with within('FILE_BROWSER', 'WINDOW', {windows}): bpy.ops.file.execute('INVOKE_DEFAULT')")
+        self.settle()
+        self.wait()
+        return offered
+
+    def render(self, seconds=240.0):
+        """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
+        import numpy as np
+
+        x, y, width, height = self.look("rectangle('VIEW_3D', 'WINDOW')")
+        self.driver.point(x + width // 3, y + height // 2)
+        self.driver.key("F12")
+        time.sleep(0.5)
+        deadline = time.monotonic() + seconds
+        while self.run("print(bpy.app.is_job_running('RENDER'))") == "True":
+            assert time.monotonic() < deadline, "The render did not end"
+            time.sleep(0.2)
+        place = self.work / "render.png"
+        self.run(f"bpy.data.images['Render Result'].save_render({str(place)!r})")
+        from PIL import Image
+
+        return np.asarray(Image.open(place).convert("RGB")) / 255.0
+
     def panel(self):
         """What the sidebar shows now, by pointing at it."""
         self._places = self.driver.sweep()

@@ -70,7 +70,7 @@ class Simulated:
         self._at = (10, 10)
         self.run((HERE / "probe.py").read_text(encoding="utf-8"))
 
-    def run(self, code, timeout=60.0):
+    def run(self, code, timeout=300.0):
         """Run Python in the window's Blender; what it prints, or its last value."""
         self._count += 1
         place = self.folder / str(self._count)
@@ -191,7 +191,7 @@ class Rig:
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout.strip()
 
-    def run(self, code, timeout=60.0):
+    def run(self, code, timeout=300.0):
         return self._x("py", code)
 
     def _screen(self, x, y):

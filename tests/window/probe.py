@@ -28,6 +28,11 @@ def within(kind="VIEW_3D", name="UI", number=0):
     return bpy.context.temp_override(window=window(number), area=area(kind, number), region=region(kind, name, number))
 
 
+def anywhere():
+    """A context with a window, for operators that need one."""
+    return bpy.context.temp_override(window=window())
+
+
 def rectangle(kind="VIEW_3D", name="UI", number=0):
     """Left, bottom, width and height in pixels of the window."""
     found = region(kind, name, number)
@@ -35,6 +40,8 @@ def rectangle(kind="VIEW_3D", name="UI", number=0):
 
 
 def send(kind, value, x, y, number=0, **more):
+    if number >= len(bpy.context.window_manager.windows):  # a key's press has closed it before its release
+        return
     window(number).event_simulate(type=kind, value=value, x=int(x), y=int(y), **more)
 
 

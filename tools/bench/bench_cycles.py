@@ -3,9 +3,13 @@
 
 `bench_cycles.py [--samples N] [--rounds N]`
 
-Two scenes with one sun: the sample snake and a sphere. Setting up (mesh, BVH, compiling the script) is taken out by
-the difference of two renders with few and many samples. The time to equal noise scales the ratio with the variances
-of the two pictures, estimated from pairs of renders with other seeds. Merged into out/bench.json under "cycles".
+Two scenes with one sun and the material's environment at 1, the sample snake and a sphere. Materials render in turn;
+setting up (mesh, BVH, compiling the script) is taken out by the difference of two renders with few and many samples.
+
+Noise is the variance of a pixel over its squared mean, from renders with other seeds, and the *median* over the lit
+pixels: the mean is decided by the few pixels that hold a mirror-like peak narrower than themselves, and says how many
+peaks a seed hit. What part of the whole variance the noisiest hundredth of the pixels has is told beside it. The time
+to equal noise scales the ratio of times by the ratio of the medians. Merged into out/bench.json under "cycles".
 """
 
 import argparse
@@ -21,6 +25,9 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 WIDTH, HEIGHT = 240, 180
+
+#: Renders with other seeds that the noise is taken from, and the part of the brightest pixel from which one is lit.
+SEEDS, LIT = 6, 1e-3
 
 
 def render(samples, seed=0):
@@ -41,13 +48,23 @@ def render(samples, seed=0):
     return pixels.reshape(HEIGHT, WIDTH, 4)[..., :3], seconds
 
 
-def measure(samples, rounds):
-    """Seconds for ``samples`` samples without the setting up, and the variance of a pixel over the mean squared."""
-    few = max(samples // 8, 1)
-    render(1)  # compiles, loads the table
-    seconds = [render(samples)[1] - render(few)[1] for _ in range(rounds)]
-    a, b = render(few, seed=1)[0], render(few, seed=2)[0]
-    return float(np.median(seconds)), float(((a - b) ** 2).mean() / (2 * a.mean() * b.mean()))
+def few(samples):
+    """Samples of the short render."""
+    return max(samples // 8, 1)
+
+
+def seconds(samples):
+    """Seconds for samples without the setting up."""
+    return render(samples)[1] - render(few(samples))[1]
+
+
+def noise(samples):
+    """Relative variance of a pixel with few samples: its median, and the share of the noisiest hundredth of them."""
+    pictures = np.stack([render(few(samples), seed=seed)[0].sum(-1) for seed in range(1, 1 + SEEDS)]).astype(float)
+    mean, variance = pictures.mean(0), pictures.var(0, ddof=1)
+    lit = mean > LIT * mean.max()
+    noisiest = np.sort(variance.ravel())[-max(variance.size // 100, 1) :]
+    return float(np.median(variance[lit] / mean[lit] ** 2)), float(noisiest.sum() / max(variance.sum(), 1e-300))
 
 
 def settings():
@@ -95,39 +112,61 @@ def sphere_scene():
     return [sphere]
 
 
-def principled(bodies):
-    """The scene's bodies with a Principled BSDF of a dark glossy skin."""
+def principled():
+    """A Principled BSDF of a dark glossy skin."""
     import bpy
 
     material = bpy.data.materials.new("Principled")
+    material.use_nodes = True
     node = material.node_tree.nodes["Principled BSDF"]
     node.inputs["Base Color"].default_value = (0.02, 0.02, 0.02, 1.0)
     node.inputs["Roughness"].default_value = 0.2
-    for body in bodies:
-        body.data.materials.clear()
-        body.data.materials.append(material)
+    return material
 
 
 def diffracting(bodies):
-    """The scene's bodies with the add-on's material."""
+    """The add-on's material in OSL, which lies on the bodies afterwards."""
     import bpy
 
-    for body in bodies:
-        body.data.materials.clear()
     for ob in bpy.context.scene.objects:
         ob.select_set(ob in bodies)
     bpy.context.view_layer.objects.active = bodies[0]
-    bpy.ops.diffraction.apply_material(fresnel="DIELECTRIC", ior=1.5)
+    bpy.ops.diffraction.apply_material(implementation="OSL", fresnel="DIELECTRIC", ior=1.5, environment=1.0)
+    return bodies[0].active_material
+
+
+def measure(bodies, materials, samples, rounds):
+    """Seconds a round and noise of each material, in turn.
+
+    Returns
+    -------
+    dict
+        Name -> list of seconds.
+    dict
+        Name -> (median relative variance, share of the noisiest hundredth of the pixels).
+    """
+    taken = {name: [] for name in materials}
+    noises = {}
+    for number in range(rounds):
+        for name, material in materials.items():
+            for body in bodies:
+                body.data.materials.clear()
+                body.data.materials.append(material)
+            if number == 0:
+                noises[name] = noise(samples)  # compiles the script and loads the table, too
+            taken[name].append(seconds(samples))
+    return taken, noises
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=64)
-    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
     import bpy
 
     from tests.support.blender import extension
+    from tools.bench.machine import Spread, warn_if_busy
     from tools.bench.results import merge
 
     packages = Path(
@@ -143,19 +182,30 @@ def main():
             bpy.ops.diffraction.make_preset(preset="snake")
             bpy.ops.diffraction.bake()
             bodies = build()
-            principled(bodies)
-            plain, plain_noise = measure(arguments.samples, arguments.rounds)
-            diffracting(bodies)
-            ours, our_noise = measure(arguments.samples, arguments.rounds)
-            ratio = ours / plain
-            numbers[f"{name}_over_principled"] = ratio
-            numbers[f"{name}_over_principled_equal_noise"] = ratio * our_noise / plain_noise if plain_noise else None
-            numbers[f"{name}_seconds"] = {"principled": plain, "diffraction": ours}
+            for body in bodies:
+                body.data.materials.clear()
+            materials = {"diffraction": diffracting(bodies), "principled": principled()}
+            taken, noises = measure(bodies, materials, arguments.samples, arguments.rounds)
+            spreads = {key: Spread(each) for key, each in taken.items()}
+            ratio = Spread([a / b for a, b in zip(taken["diffraction"], taken["principled"], strict=True)])
+            (ours, our_share), (plain, plain_share) = noises["diffraction"], noises["principled"]
+            equal = ratio.median * ours / plain if plain else None
+            numbers[name] = {
+                "seconds": {key: spread.to_json() for key, spread in spreads.items()},
+                "over_principled": ratio.to_json(),
+                "noise": {"diffraction": ours, "principled": plain},
+                "variance_in_noisiest_hundredth": {"diffraction": our_share, "principled": plain_share},
+                "over_principled_equal_noise": equal,
+            }
             print(
-                f"{name}: Principled {plain:.2f} s, diffraction {ours:.2f} s for {arguments.samples} samples: ratio"
-                f" {ratio:.2f}; relative variance of a pixel {plain_noise:.2e} and {our_noise:.2e}",
+                f"{name}, {arguments.samples} samples, {arguments.rounds} rounds: Principled {spreads['principled']},"
+                f" diffraction {spreads['diffraction']}: {ratio.median:.2f} times (+-{50 * ratio.width:.0f} %)\n"
+                f"  relative variance of a lit pixel with {few(arguments.samples)} samples, median: {plain:.1e} and"
+                f" {ours:.1e}; the noisiest hundredth of the pixels has {plain_share:.0%} and {our_share:.0%} of the"
+                " whole variance",
                 flush=True,
             )
+    numbers["quiet"] = warn_if_busy()
     merge("cycles", numbers)
     sys.stdout.flush()
     os._exit(0)  # Blender as a module may crash at exit

@@ -154,7 +154,7 @@ def relative_errors(pixels, light, places, patch, sigma_s_m, ensemble):
 def scene_milliseconds(table_path, size):
     """Milliseconds a frame of the sample scene for both methods."""
     import bpy
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
     from diffraction_shader.addon.viewport import handlers, looks, offscreen
     from mathutils import Matrix
 
@@ -164,9 +164,7 @@ def scene_milliseconds(table_path, size):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bodies = build_scene.build_scene(detail=0.1)
     for body in bodies:
-        material.apply(
-            body.active_material, str(table_path), material.Settings(), lights.lamp_objects(bpy.context.scene)
-        )
+        material.apply(body.active_material, str(table_path), material.Settings())
     import gpu
 
     scene = bpy.context.scene

@@ -11,7 +11,7 @@ import re
 NEVER_NONE = {
     "AddonPreferences": ("layout",),
     "ColorManagedViewSettings": ("curve_mapping",),
-    "Context": ("preferences", "scene", "view_layer", "window_manager"),
+    "Context": ("preferences", "scene", "selected_objects", "view_layer", "window_manager"),
     "Depsgraph": ("scene", "scene_eval", "view_layer", "view_layer_eval"),
     "DepsgraphObjectInstance": ("object",),
     "DepsgraphUpdate": ("id",),
@@ -77,7 +77,7 @@ WIDER = (
     (re.compile(r"typing\.Literal\[[^\]]*\]"), "str"),
     (re.compile(r"^(    \w+): bpy_prop_array\[.*$", re.MULTILINE), r"\1: typing.Any"),
     (re.compile(r"collections\.abc\.Sequence\["), "collections.abc.Iterable["),
-    (re.compile(r"\b(context: Context|depsgraph: Depsgraph)( \| None)+"), r"\1"),
+    (re.compile(r"\b(context: Context|depsgraph: Depsgraph|event: Event)( \| None)+"), r"\1"),
     (re.compile(r"tuple\[str, str, str, str, int\]"), "tuple[str, str, str, str | int, int]"),
     (re.compile(r"-> FCurve \| list\[FCurve\]:"), "-> FCurve:"),
 )

@@ -4,7 +4,6 @@
 `check_manifest.py` prints one sentence for each problem; exit code 1 where there is any.
 """
 
-import re
 import sys
 import tomllib
 from pathlib import Path
@@ -13,7 +12,9 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))  # a script: its fo
 
 
 from tools.build.blender_files import valid_tags
+from tools.build.changelog import read_changelog
 from tools.build.fetch_wheels import PLATFORMS, ROOT, bundled_name, pins_by_python, read_lock, runs_on
+from tools.build.requirements import BLENDERS
 
 # https://docs.blender.org/manual/en/latest/advanced/extensions/getting_started.html
 KNOWN_PERMISSIONS = {"files", "network", "clipboard", "camera", "microphone"}
@@ -52,9 +53,6 @@ def identity_problems(manifest, project, tags):
         yield f"The version {manifest.get('version')} differs from {project['version']} in pyproject.toml."
     if manifest.get("license") != [f"SPDX:{project['license']}"]:
         yield f"The license must be ['SPDX:{project['license']}'], as in pyproject.toml."
-    minimum = re.fullmatch(r"(\d+)\.(\d+)\.\d+", manifest.get("blender_version_min", ""))
-    if minimum is None or (int(minimum[1]), int(minimum[2])) < (4, 5):
-        yield "The blender_version_min must be 4.5.0 or later: older ones are not tested."
     for tag in sorted(set(manifest.get("tags", [])) - tags):
         yield f"The tag {tag!r} is not on Blender's list of add-on tags."
     if not manifest.get("tags"):
@@ -63,6 +61,43 @@ def identity_problems(manifest, project, tags):
         yield f"The platform {name!r} is unknown to Blender."
     if set(manifest.get("platforms", [])) != set(PLATFORMS):
         yield f"The platforms must be those of tools/build/fetch_wheels.py: {', '.join(PLATFORMS)}."
+
+
+def changelog_problems(manifest, changelog):
+    """Sentences about CHANGELOG.md: its newest version is the manifest's, so that never falls behind an earlier one."""
+    yield from changelog.problems
+    newest = next(iter(changelog.releases), None)
+    if newest is not None and newest != manifest.get("version"):
+        yield f"The version {manifest.get('version')} differs from {newest}, the newest in CHANGELOG.md."
+    if newest is None:
+        yield f"CHANGELOG.md does not tell what {manifest.get('version')} holds."
+
+
+def version(text):
+    """A version such as "4.5.0" as numbers, which compare."""
+    return tuple(map(int, text.split(".")))
+
+
+def blender_problems(manifest, blenders):
+    """Sentences about the Blenders: the zips' ranges begin with the oldest tested one, meet, and have no end.
+
+    Parameters
+    ----------
+    manifest : dict
+    blenders : dict of str to tuple of str and (str or None)
+        Of each Python the first Blender and the first that is too new, see `requirements.BLENDERS`.
+    """
+    ranges = sorted(blenders.values(), key=lambda pair: version(pair[0]))
+    first = manifest.get("blender_version_min", "")
+    if first != ranges[0][0]:
+        yield f"The blender_version_min {first} differs from {ranges[0][0]}, where the first zip's range begins."
+    if version(ranges[0][0]) < (4, 5):
+        yield "The blender_version_min must be 4.5.0 or later: older ones are not tested."
+    if "blender_version_max" in manifest:
+        yield "The manifest must hold no blender_version_max: each zip gets its own."
+    for (_, too_new), following in zip(ranges, [*(pair[0] for pair in ranges[1:]), None], strict=True):
+        if too_new != following:
+            yield f"A zip's range ends at {too_new}, and the next begins at {following}: no zip or two for some."
 
 
 def fits(wheel, python):
@@ -100,7 +135,7 @@ def wheel_problems(manifest, pins, lock):
                     )
 
 
-def problems(manifest, project, pins, lock, tags):
+def problems(manifest, project, pins, lock, tags, changelog):
     """All that is wrong with a manifest.
 
     Parameters
@@ -115,6 +150,7 @@ def problems(manifest, project, pins, lock, tags):
         Wheels and digests.
     tags : set of str
         Blender's own.
+    changelog : tools.build.changelog.Changelog
 
     Returns
     -------
@@ -124,12 +160,14 @@ def problems(manifest, project, pins, lock, tags):
     return [
         *identity_problems(manifest, project, tags),
         *wording_problems(manifest),
+        *blender_problems(manifest, BLENDERS),
+        *changelog_problems(manifest, changelog),
         *wheel_problems(manifest, pins, lock),
     ]
 
 
 def main():
-    found = problems(*load_manifest(), pins_by_python(), read_lock(), valid_tags())
+    found = problems(*load_manifest(), pins_by_python(), read_lock(), valid_tags(), read_changelog())
     for sentence in found:
         print(sentence, file=sys.stderr)
     return 1 if found else 0

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bring the wheels that the extension bundles into wheels/: `fetch_wheels.py [--platform current|all|NAME] [--lock]`.
 
+`--python 3.13` (or 3.11, or current) takes the wheels of one Python alone.
+
 What is bundled are the run-time pins of pyproject.toml, for the Pythons of all Blenders. wheels.lock, beside this file,
 holds the SHA-256 of each wheel, so every machine gets the same files; `--lock` resolves the pins anew for all platforms
 and rewrites it.
@@ -33,6 +35,10 @@ PLATFORMS = {
 }
 
 
+#: Libraries whose wheel for all platforms does: fontTools' compiled parts hasten what nothing here does.
+PURE = ("fonttools",)
+
+
 def current_platform():
     """Blender's name of the platform this runs on, such as ``"linux-x64"``."""
     system = {"darwin": "macos"}.get(platform.system().lower(), platform.system().lower())
@@ -53,6 +59,22 @@ def chosen_platforms(name):
     name = current_platform() if name == "current" else name
     if name not in PLATFORMS:
         sys.exit(f"The extension is not built for {name}: choose one of {', '.join(PLATFORMS)}.")
+    return [name]
+
+
+def chosen_pythons(name):
+    """The Pythons that ``"all"``, ``"current"`` or a version stands for.
+
+    Raises
+    ------
+    SystemExit
+        The extension is not built for that Python.
+    """
+    if name == "all":
+        return list(PYTHONS)
+    name = "{}.{}".format(*sys.version_info) if name == "current" else name
+    if name not in PYTHONS:
+        sys.exit(f"The extension is not built for Python {name}: choose one of {', '.join(PYTHONS)}.")
     return [name]
 
 
@@ -135,25 +157,29 @@ def download(pins, tags, python, folder):
         wanted = Path(scratch) / "requirements.txt"
         wanted.write_text("\n".join(pins) + "\n", encoding="utf-8")
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary=:all:"]
-        command += ["--python-version", python, "--implementation", "cp", "--dest", str(folder)]
+        command += ["--python-version", python, "--dest", str(folder)]
         for tag in tags:
             command += ["--platform", tag]
+        command += ["--implementation", "py" if tags == ("any",) else "cp"]
         subprocess.run([*command, "--requirement", str(wanted)], check=True)
 
 
-def fetch(platforms):
-    """Bring the locked wheels of some platforms into wheels/; what is there already stays.
+def fetch(platforms, pythons=PYTHONS):
+    """Bring the locked wheels of some platforms and Pythons into wheels/; what is there already stays.
 
     Returns
     -------
     list of str
         Their file names, sorted.
     """
-    lock = read_lock()
-    names = sorted(wheel for wheel in lock if any(runs_on(wheel, name) for name in platforms))
-    pins = pins_by_python()
+    lock, pins = read_lock(), pins_by_python()
+    names = sorted(
+        wheel
+        for wheel in lock
+        if any(runs_on(wheel, name) for name in platforms) and set(pythons) & set(pythons_of(wheel, pins))
+    )
     for name in platforms:
-        for python in PYTHONS:
+        for python in pythons:
             absent = [
                 wheel
                 for wheel in names
@@ -161,12 +187,16 @@ def fetch(platforms):
                 and python in pythons_of(wheel, pins)
                 and not ((WHEELS / wheel).is_file() and sha256(WHEELS / wheel) == lock[wheel])
             ]
-            if not absent:
-                continue
-            lines = [f"{'=='.join(wheel.split('-')[:2])} --hash=sha256:{lock[wheel]}" for wheel in absent]
             for wheel in absent:
                 (WHEELS / wheel).unlink(missing_ok=True)
-            download(lines, PLATFORMS[name], python, WHEELS)
+            for pure in (True, False):
+                lines = [
+                    f"{'=='.join(wheel.split('-')[:2])} --hash=sha256:{lock[wheel]}"
+                    for wheel in absent
+                    if wheel.endswith("-none-any.whl") == pure
+                ]
+                if lines:
+                    download(lines, ("any",) if pure else PLATFORMS[name], python, WHEELS)
     for wheel in names:
         if not (WHEELS / wheel).is_file():
             sys.exit(
@@ -181,7 +211,10 @@ def write_lock():
     digests = {}
     for name, python in itertools.product(PLATFORMS, PYTHONS):
         with tempfile.TemporaryDirectory() as scratch:
-            download(requirements(python=python), PLATFORMS[name], python, Path(scratch))
+            pins = requirements(python=python)
+            pure = [pin for pin in pins if pin.split("==")[0] in PURE]
+            download(sorted(set(pins) - set(pure)), PLATFORMS[name], python, Path(scratch))
+            download(pure, ("any",), python, Path(scratch))
             for path in Path(scratch).iterdir():
                 digests[path.name] = sha256(path)
                 WHEELS.mkdir(exist_ok=True)
@@ -195,11 +228,12 @@ def write_lock():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--platform", default="current", help="current, all, or one of Blender's platform names")
+    parser.add_argument("--python", default="all", help="current, all, or one of Blender's Pythons")
     parser.add_argument("--lock", action="store_true", help="resolve the pins anew and rewrite tools/build/wheels.lock")
     arguments = parser.parse_args()
     if arguments.lock:
         write_lock()
-    print("\n".join(fetch(chosen_platforms(arguments.platform))))
+    print("\n".join(fetch(chosen_platforms(arguments.platform), chosen_pythons(arguments.python))))
 
 
 if __name__ == "__main__":

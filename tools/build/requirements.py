@@ -9,8 +9,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 
 
-#: Pythons of the Blenders that the extension is for: 5.2 LTS and 4.5 LTS.
-PYTHONS = ("3.13", "3.11")
+#: Blenders that the extension is for by their Python: the first version, and the first that is too new, if any.
+BLENDERS = {"3.11": ("4.5.0", "5.1.0"), "3.13": ("5.1.0", None)}
+PYTHONS = tuple(BLENDERS)
 
 
 def applies(marker, python):

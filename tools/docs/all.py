@@ -32,6 +32,16 @@ def preset_pictures():
     )
 
 
+def house_picture():
+    """The wings on their floors."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs" / "house_picture.py"], check=True)
+
+
+def preset_thumbnails():
+    """The small pictures of the panel's menu, which ship with the extension."""
+    subprocess.run([sys.executable, ROOT / "tools" / "docs" / "preset_thumbnails.py"], check=True)
+
+
 def paint_picture():
     """Recipes of grating paint."""
     subprocess.run([sys.executable, ROOT / "tools" / "docs" / "paint_pictures.py"], check=True)
@@ -68,8 +78,10 @@ def guide():
 
 def main():
     PICTURES.mkdir(parents=True, exist_ok=True)
+    house_picture()
     demo_pictures()
     preset_pictures()
+    preset_thumbnails()
     paint_picture()
     guide()
     gallery()

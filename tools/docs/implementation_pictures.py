@@ -55,7 +55,7 @@ def make_scene():
 def picture(ball, table, implementation, engine, path, width, samples):
     """Render to a PNG."""
     import bpy
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
 
     scene = bpy.context.scene
     ball.data.materials.clear()
@@ -64,7 +64,7 @@ def picture(ball, table, implementation, engine, path, width, samples):
     settings = material.Settings(implementation=implementation, ior=1.55, environment=1)
     scene.render.engine, scene.cycles.shading_system = "CYCLES", True
     bpy.context.view_layer.update()
-    ball.data.materials.append(material.apply(made, str(table), settings, lights.lamp_objects(scene)))
+    ball.data.materials.append(material.apply(made, str(table), settings))
     scene.render.engine = engine
     scene.cycles.samples, scene.eevee.taa_render_samples = samples, 32
     scene.cycles.use_adaptive_sampling = False

@@ -23,7 +23,8 @@ PANELS = {
     "Preset Structure": ("preset", "preset_size_um", "preset_pixels"),
     "Levelling": ("level", "align_rows", "clip_percent", "smooth_nm", "tile", "use_crop", "crop_um"),
     "Bake": ("ensemble", "sigma_s_um", "detail"),
-    "Bake > Advanced": ("table_name", "illuminant", "illuminant_file", "series", "tolerance", "limit_mb"),
+    "Bake > Material of the Surface": ("substrate", "films", "lacquer"),
+    "Bake > Advanced": ("table_name", "illuminant", "illuminant_file", "series", "tolerance", "energy", "limit_mb"),
     "Material": (
         "implementation", "fresnel", "ior", "orientation", "uv_map", "attribute", "angle_image", "rotation",
         "conserve_energy", "environment",

@@ -48,14 +48,14 @@ def make_table(folder, series):
 def make_scene(table, detail):
     """The sample scene, every object blind to every other."""
     import bpy
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
 
     sample = load_module("diffraction_sample_scene", ROOT / "sample_blend" / "build_scene.py")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bodies = sample.build_scene(detail=detail)
     scene = bpy.context.scene
     for body in bodies:
-        material.apply(body.active_material, str(table), material.Settings(ior=1.55), lights.lamp_objects(scene))
+        material.apply(body.active_material, str(table), material.Settings(ior=1.55))
     for ob in scene.objects:
         ob.visible_shadow = ob.visible_glossy = ob.visible_diffuse = ob.visible_transmission = False
     for lamp in (ob for ob in scene.objects if ob.type == "LIGHT"):

@@ -114,7 +114,7 @@ def _upload(arrays: corners.Corners) -> dict[int, Any]:
     return batches
 
 
-def _points(name: str, values: np.ndarray):
+def _points(name: str, values: np.ndarray) -> Any:
     import gpu
 
     form = gpu.types.GPUVertFormat()
@@ -124,7 +124,7 @@ def _points(name: str, values: np.ndarray):
     return points
 
 
-def _triangles(corners_: np.ndarray):
+def _triangles(corners_: np.ndarray) -> Any:
     import gpu
 
     return gpu.types.GPUIndexBuf(type="TRIS", seq=corners_)

@@ -4,21 +4,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from ....precompute.table.layout import TableLayout
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
+from .sources import KEPT
 
 #: Side of the cube that holds the view transform; its axes are even in log(1 + gain x) up to the value white, both at
 #: an exposure of 0.
 DISPLAY_SIDE = 64
 DISPLAY_GAIN = 32.0
 DISPLAY_WHITE = 32.0
-
-#: Side of the finest level of an image of the surroundings, and how many levels there are: the last has four texels.
-SKY_SIDE = 512
-SKY_LEVELS = 9
 
 #: Side of the square that holds a table's albedos.
 ALBEDO_SIDE = 512
@@ -131,6 +129,8 @@ class Surface:
         Factor on the diffracted light.
     pigment
         Albedo of the surface underneath; None adds the diffraction to what is already drawn.
+    kept
+        ``(KEPT, 3)`` RGB that the table's stuff keeps from the pigment, for even steps of the angle; None: by Fresnel.
     """
 
     to_rgb: np.ndarray
@@ -144,12 +144,13 @@ class Surface:
     environment: bool = True
     brightness: float = 1.0
     pigment: tuple[float, float, float] | None = None
+    kept: np.ndarray | None = None
     layout: TableLayout = field(kw_only=True)
 
     def rows(self) -> np.ndarray:
-        """``(12, 4)``."""
+        """``(12 + KEPT, 4)``."""
         layout = self.layout
-        rows = np.zeros((12, 4), np.float32)
+        rows = np.zeros((12 + KEPT, 4), np.float32)
         rows[0] = layout.a_r, 1.0 / layout.r0, layout.n_r - 1, layout.n_phi
         rows[1] = layout.a_w, 1.0 / layout.w0, layout.s_w, layout.n_w - 1
         rows[2, :2] = layout.scale, layout.power
@@ -160,13 +161,19 @@ class Surface:
         rows[10] = np.cos(self.rotation), np.sin(self.rotation), 0.0, self.rotation
         if self.pigment is not None:
             rows[11, :3] = self.pigment
+        if self.kept is not None:
+            rows[12:, :3] = self.kept
+        rows[12, 3] = layout.index
         return rows
 
     def flags(self, ambient: bool) -> set[str]:
         """What of ``sources.FLAGS`` this material needs; `ambient`: in a plain world that shines."""
-        flags = {self.fresnel} if self.fresnel != "NONE" else set()
+        inside = self.layout.holds_reflectance
+        flags = {self.fresnel} if self.fresnel != "NONE" and not inside else set()
         chosen = {
             "CONSERVE": self.conserve_energy,
+            "INSIDE": inside,
+            "LACQUER": self.layout.index > 1.0,
             "LINEAR_IN_W": self.layout.power == 1.0,
             "TURNED": self.angle_image,
             "AMBIENT": ambient and self.environment,
@@ -175,14 +182,14 @@ class Surface:
         return flags | {name for name, wanted in chosen.items() if wanted}
 
 
-def uniform(rows: np.ndarray):
+def uniform(rows: np.ndarray) -> Any:
     """A uniform buffer with these rows."""
     import gpu
 
     return gpu.types.GPUUniformBuf(buffer(rows))
 
 
-def buffer(values: np.ndarray):
+def buffer(values: np.ndarray) -> Any:
     """Numbers as the gpu module takes them."""
     import gpu
 

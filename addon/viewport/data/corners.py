@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import bpy
 import numpy as np
@@ -79,14 +80,16 @@ def _picture_uv(mesh: bpy.types.Mesh, topology: Topology) -> np.ndarray:
     return uv
 
 
-def _tangent_layer(mesh: bpy.types.Mesh, orientation: Orientation):
+def _tangent_layer(mesh: bpy.types.Mesh, orientation: Orientation) -> Any:
     """The UV map that tells where the scan's x goes, where that is the orientation."""
     if orientation.mode != "UV" or not mesh.uv_layers:
         return None
     return mesh.uv_layers.get(orientation.name) if orientation.name else mesh.uv_layers.active
 
 
-def _other_tangents(mesh, orientation, vertices, corner_vertex) -> np.ndarray:
+def _other_tangents(
+    mesh: bpy.types.Mesh, orientation: Orientation, vertices: np.ndarray, corner_vertex: np.ndarray
+) -> np.ndarray:
     """``(n, 4)`` tangents that come from no UV map."""
     tangents = np.zeros((len(corner_vertex), 4), np.float32)
     if orientation.mode == "ATTRIBUTE":
@@ -96,7 +99,8 @@ def _other_tangents(mesh, orientation, vertices, corner_vertex) -> np.ndarray:
     elif orientation.mode == "RADIAL":
         # Of the Tangent node: round an axis through the middle of the texture space.
         middle = np.array(mesh.texspace_location, np.float32)
-        size = np.where(np.array(mesh.texspace_size) == 0.0, 1.0, mesh.texspace_size).astype(np.float32)
+        size = np.array(mesh.texspace_size, np.float32)
+        size[size == 0.0] = 1.0
         x, y, z = np.moveaxis(0.5 * (vertices - middle) / size, -1, 0)
         zero = np.zeros_like(x)
         around = {"X": (zero, -z, y), "Y": (-z, zero, x), "Z": (-y, x, zero)}[orientation.name or "Z"]
@@ -120,7 +124,7 @@ def _attribute(mesh: bpy.types.Mesh, name: str, corner_vertex: np.ndarray) -> np
     return None
 
 
-def _mikk(mesh: bpy.types.Mesh, layer, topology: Topology) -> np.ndarray:
+def _mikk(mesh: bpy.types.Mesh, layer: Any, topology: Topology) -> np.ndarray:
     uv = read(layer.uv, "vector", 2)
     mesh.calc_tangents(uvmap=layer.name)
     try:

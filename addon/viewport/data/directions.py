@@ -41,7 +41,7 @@ class Directions:
         self._found: dict[Path, tuple[tuple, np.ndarray | None]] = {}
         self._threads: dict[Path, threading.Thread] = {}
 
-    def texture(self, path: Path, wait: bool = False):
+    def texture(self, path: Path, wait: bool = False) -> Any:
         """The texture, or None while its numbers are looked for in a thread.
 
         Parameters
@@ -78,7 +78,7 @@ class Directions:
         if running is not None and running.is_alive():
             return
 
-        def work():
+        def work() -> None:
             try:
                 self._found[path] = (stamp, find(path))
             except DiffractionError:
@@ -87,7 +87,7 @@ class Directions:
         thread = self._threads[path] = threading.Thread(target=work, daemon=True)
         thread.start()
 
-        def poll():
+        def poll() -> float | None:
             if thread.is_alive():
                 return 0.1
             self._threads.pop(path, None)
@@ -97,7 +97,7 @@ class Directions:
         bpy.app.timers.register(poll, first_interval=0.1)
 
 
-def _upload(image: np.ndarray):
+def _upload(image: np.ndarray) -> Any:
     import gpu
 
     texels = np.ones((*image.shape[:2], 4), np.float32)

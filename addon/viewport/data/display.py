@@ -124,7 +124,7 @@ class Display:
         self._texture: Any = None
         self._waiting = False
 
-    def texture(self, scene: bpy.types.Scene, wait: bool = False):
+    def texture(self, scene: bpy.types.Scene, wait: bool = False) -> Any:
         """The texture; while the scene's own is in the making, the last one or a plain one.
 
         Parameters
@@ -140,7 +140,7 @@ class Display:
                 self._make_soon(scene)
         return self.any()
 
-    def any(self):
+    def any(self) -> Any:
         """The texture as it is: for drawings that need one bound and do not look at it."""
         if self._texture is None:
             self._texture = _upload(plain_cube())
@@ -160,7 +160,7 @@ class Display:
         self._waiting = True
         name = scene.name_full
 
-        def make():
+        def make() -> Any:
             self._waiting = False
             found = next((s for s in bpy.data.scenes if s.name_full == name), None)
             if found is not None:
@@ -179,7 +179,7 @@ def redraw() -> None:
                     area.tag_redraw()
 
 
-def _upload(cube: np.ndarray):
+def _upload(cube: np.ndarray) -> Any:
     import gpu
 
     side = cube.shape[0]

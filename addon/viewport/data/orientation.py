@@ -33,8 +33,8 @@ def of(shaded: bpy.types.Material) -> Orientation:
     """The orientation of one of our materials."""
     node = material.shader_node(shaded)
     socket = node.inputs.get("Tangent") if node is not None else None
-    if socket is None or not socket.links:
-        return Orientation("OBJECT") if socket is not None else Orientation()
+    if socket is None or not socket.links:  # then the node takes the active UV map
+        return Orientation()
     return _follow(socket)
 
 
@@ -42,7 +42,7 @@ def angle_image(shaded: bpy.types.Material) -> tuple[bpy.types.Image, float] | N
     """The image that turns the scan and the angle (radians) of its black; None where there is none."""
     node = material.shader_node(shaded)
     socket = node.inputs.get("Rotation") if node is not None else None
-    picture = shaded.node_tree.nodes.get(frame.ANGLE_IMAGE) if shaded.node_tree is not None else None
+    picture = node.id_data.nodes.get(frame.ANGLE_IMAGE) if node is not None else None
     if socket is None or not socket.links or picture is None or picture.image is None:
         return None
     scale = socket.links[0].from_node

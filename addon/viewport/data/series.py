@@ -41,7 +41,7 @@ def rows(
     size_m: tuple[float, float],
     illuminant: str,
     adapted: bool = False,
-):
+) -> np.ndarray:
     """``(3 + WAVELENGTHS_MAX, 4)`` rows of the block ``DiffractionSeries``.
 
     Parameters

@@ -17,8 +17,9 @@ import bpy
 import numpy as np
 
 from ...versions import smooth_lookups
-from .blocks import SKY_LEVELS, SKY_SIDE, buffer
+from .blocks import buffer
 from .display import redraw
+from .sources import SKY_LEVELS, SKY_SIDE
 
 #: Width of an image after it was reduced by whole factors: steps of a third of a degree.
 _WIDTH = 1024
@@ -187,7 +188,7 @@ class Skies:
         self._held: OrderedDict[tuple, Any] = OrderedDict()
         self._waiting: set[tuple] = set()
 
-    def texture(self, sky: Sky, wait: bool = False):
+    def texture(self, sky: Sky, wait: bool = False) -> Any:
         """The texture, or None while it is in the making or where the image holds nothing.
 
         Parameters

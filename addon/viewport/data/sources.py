@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 from ....precompute.table import importance
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
-from .blocks import SKY_LEVELS, SKY_SIDE
 
 #: Uniform blocks, vec4 and mat4 only, so that every back end lays them out alike. Filled in `blocks`.
 _TYPES = """
@@ -21,6 +21,7 @@ struct DiffractionFrame {
 struct DiffractionSurface {
   vec4 radial; vec4 slices; vec4 value; vec4 texel; vec4 to_red; vec4 to_green; vec4 to_blue; vec4 fresnel;
   vec4 conductor_n; vec4 conductor_k; vec4 rotation; vec4 pigment;
+  vec4 kept[KEPT];
 };
 struct DiffractionSeries { vec4 bins; vec4 window; vec4 loops; vec4 spectrum[WAVELENGTHS_MAX]; };
 """
@@ -38,6 +39,13 @@ _DENSITIES = {
     "N_PHI": importance.N_PHI,
 }
 
+#: Side of the finest level of an image of the surroundings, and how many levels there are: the last has four texels.
+SKY_SIDE = 512
+SKY_LEVELS = 9
+
+#: Angles of view, even steps from 0 to 90 degrees, at which a surface tells what it keeps from the pigment below.
+KEPT = 19
+
 METHODS = ("TABLE", "FLSS")
 
 #: What a shader can be made to do besides; a variant has the code of those that it needs and no other: software
@@ -53,6 +61,8 @@ FLAGS = (
     "LINEAR_IN_W",  # of the table's factor |w|^power: the power is 1
     "DIELECTRIC",
     "CONDUCTOR",
+    "INSIDE",  # the table holds the reflectance of its stuff
+    "LACQUER",
     "AMBIENT",  # a plain world
     "SKYLIT",  # an image surrounds the scene
     "SUNS",
@@ -67,7 +77,7 @@ def _text(*names: str) -> str:
     return "\n".join((SHADERS / name).read_text(encoding="utf-8") for name in names)
 
 
-def _begin(method: str, flags: frozenset[str]):
+def _begin(method: str, flags: frozenset[str]) -> Any:
     import gpu
 
     info = gpu.types.GPUShaderCreateInfo()
@@ -78,6 +88,7 @@ def _begin(method: str, flags: frozenset[str]):
             info.define(name, "1")
     info.define("LAMPS_MAX", str(LAMPS_MAX))
     info.define("WAVELENGTHS_MAX", str(WAVELENGTHS_MAX))
+    info.define("KEPT", str(KEPT))
     for name, value in LAMP_KINDS.items():
         info.define(f"LAMP_{name}", f"{value}.0")
     info.define(f"METHOD_{method}", "1")
@@ -98,7 +109,7 @@ _BRDF = {"TABLE": ("table.glsl", "brdf.glsl"), "FLSS": ("table.glsl", "flss.glsl
 
 
 @cache
-def surface(method: str, flags: frozenset[str]):
+def surface(method: str, flags: frozenset[str]) -> Any:
     """The shader that draws meshes, by one of `METHODS`, with some of `FLAGS` and a number of lamps."""
     import gpu
 
@@ -132,7 +143,7 @@ def surface(method: str, flags: frozenset[str]):
 
 
 @cache
-def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = ""):
+def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: str = "") -> Any:
     """The shader that fills the frame with f cos for one light direction: every pixel is a direction to the viewer.
 
     Parameters
@@ -154,7 +165,7 @@ def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: st
     return gpu.shader.create_from_info(info)
 
 
-def _add_densities(info) -> None:
+def _add_densities(info: Any) -> None:
     info.sampler(6, "FLOAT_2D", "df_importance")
     for name, value in _DENSITIES.items():
         info.define(f"IMPORTANCE_{name}", f"{float(value)}")

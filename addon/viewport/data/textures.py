@@ -74,7 +74,7 @@ def albedo_map(table: SpectralTable) -> np.ndarray:
     the table's own straight above, and a ninth towards the horizon, where albedos rise most.
     """
     layout = table.layout
-    first = layout.albedo_y
+    first = layout.conserving_y
     tile = table.atlas[first : first + layout.n_albedo_phi + 2, : layout.n_theta, 0].astype(np.float32)
     along = np.linspace(-1.0, 1.0, ALBEDO_SIDE, dtype=np.float32)
     x, y = np.meshgrid(along, along)

@@ -135,7 +135,7 @@ def attribute(mesh: bpy.types.Mesh, name: str, field_name: str, dtype: type) -> 
     return values
 
 
-def read(collection, name: str, width: int, dtype: type = np.float32) -> np.ndarray:
+def read(collection: Any, name: str, width: int, dtype: type = np.float32) -> np.ndarray:
     """``(n, width)`` values of a property."""
     values: np.ndarray = np.empty(len(collection) * width, dtype)
     collection.foreach_get(name, values)

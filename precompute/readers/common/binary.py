@@ -48,7 +48,7 @@ def read_head(path: Path, count: int) -> bytes:
         return file.read(count)
 
 
-def unpack(layout: str, data: bytes, offset: int = 0) -> tuple[Any, ...]:
+def unpack(layout: str, data: bytes | memoryview, offset: int = 0) -> tuple[Any, ...]:
     """``struct.unpack_from`` that says in one sentence when the bytes are not there."""
     if offset < 0 or offset + struct.calcsize(layout) > len(data):
         raise ScanError(ENDS_EARLY)

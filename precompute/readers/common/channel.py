@@ -100,8 +100,8 @@ def _rank(channel: Channel) -> tuple[int, int, int]:
     return bool(_NO_HEIGHT.search(name)), by_name, bool(_BACKWARD.search(name))
 
 
-def choose_channel(channels: Sequence[Channel], wanted: str | None, scaled: bool) -> Channel:
-    """The channel that the user names, else the best height channel.
+def choose_channels(channels: Sequence[Channel], wanted: str | None, scaled: bool) -> list[Channel]:
+    """The one channel that the user names, else the height channels, best first.
 
     Parameters
     ----------
@@ -128,16 +128,16 @@ def choose_channel(channels: Sequence[Channel], wanted: str | None, scaled: bool
         ):
             for channel in channels:
                 if match(channel):
-                    return channel
+                    return [channel]
         if wanted.strip().isdecimal() and int(wanted) < len(channels):
-            return channels[int(wanted)]
+            return [channels[int(wanted)]]
         raise ScanError(f"The scan has no channel '{wanted}'; choose one of: {offer}.")
     heights = [channel for channel in channels if metres_per(channel.unit) is not None]
     unknown = [channel for channel in channels if not channel.unit]
     if heights:
-        return min(heights, key=_rank)
+        return sorted(heights, key=_rank)
     if unknown and scaled:
-        return min(unknown, key=_rank)
+        return sorted(unknown, key=_rank)
     if unknown:
         raise ScanError(
             f"The heights of channel {unknown[0].name} carry no unit; give the height range, e.g. --height-nm 800."

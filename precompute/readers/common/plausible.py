@@ -9,6 +9,22 @@ from ...errors import ScanError
 LIMIT_SIDE_M, LIMIT_RELIEF_M = 10e-3, 1e-3
 
 
+class ImplausibleReliefError(ScanError):
+    """Heights that span more than any scan: another channel of the file may be the right one.
+
+    Parameters
+    ----------
+    what
+        The fact, a clause.
+    advice
+        What the user can do about it.
+    """
+
+    def __init__(self, what: str, advice: str) -> None:
+        super().__init__(f"By the file {what}, {advice}.")
+        self.what = what
+
+
 def check_side(size_m: tuple[float, float]) -> None:
     """Refuse side lengths above a centimetre.
 
@@ -33,9 +49,10 @@ def check_relief(relief_m: float) -> None:
         With the span and how to say that it is right, or another one.
     """
     if relief_m > LIMIT_RELIEF_M:
-        raise ScanError(
-            f"By the file the heights span {named(relief_m)}, so their unit is missing or wrong; give the height range "
-            "with --height-nm H, or trust the file with --trust-units."
+        raise ImplausibleReliefError(
+            f"the heights span {named(relief_m)}",
+            "so their unit is missing or wrong; give the height range with --height-nm H, or trust the file with "
+            "--trust-units",
         )
 
 

@@ -104,10 +104,8 @@ def _ascii(path: Path) -> list[Channel]:
     def load() -> Samples:
         try:
             flat = np.array([np.nan if word == "BAD" else float(word) for word in parts[1].split()])
-        except ValueError as error:
-            raise ScanError(
-                f"The .sdf file holds a word where a number should be ({error}); export it again."
-            ) from None
+        except ValueError:
+            raise ScanError("The .sdf file holds a word where a number should be; export it again.") from None
         if flat.size != rows * cols:
             raise ScanError(f"The .sdf file holds {flat.size} values and declares {rows * cols}; export it again.")
         decode = partial(_heights, dtype=np.dtype(_TYPES[kind]), bcr=bcr, dz=dz)

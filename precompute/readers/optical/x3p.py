@@ -20,11 +20,11 @@ from xml.etree import ElementTree
 import numpy as np
 
 from ...errors import ScanError
+from ..common.archive import LONGEST_XML, member, xml_root
 from ..common.binary import ENDS_EARLY, integer, number
 from ..common.channel import Channel, Samples
 from ..common.limits import check_loaded, check_shape
 
-_LONGEST_XML = 4 << 20
 _TYPES = {"I": "<i2", "L": "<i4", "F": "<f4", "D": "<f8"}
 
 
@@ -32,12 +32,8 @@ def read_x3p(path: Path) -> list[Channel]:
     """The one surface of an .x3p file."""
     with zipfile.ZipFile(path) as archive:
         folder = _folder(archive)
-        raw = _member(archive, folder + "main.xml", _LONGEST_XML)
-    if b"<!DOCTYPE" in raw or b"<!ENTITY" in raw or b"\0" in raw:
-        raise ScanError(
-            "The .x3p file's XML declares entities or an unusual encoding, which is refused; export it again."
-        )
-    root = ElementTree.fromstring(raw)
+        raw = member(archive, folder + "main.xml", LONGEST_XML, ".x3p")
+    root = xml_root(raw, ".x3p")
     if _value(root, "Record1/FeatureType") not in ("SUR", ""):
         raise ScanError("The .x3p file holds a profile or a cloud of points, no surface; export the surface.")
     if _value(root, "Record1/Axes/CX/AxisType") != "I" or _value(root, "Record1/Axes/CY/AxisType") != "I":
@@ -80,7 +76,7 @@ def _linked(archive: zipfile.ZipFile, folder: str, link: str, limit: int) -> byt
     """A member that main.xml names: beside it, or from the top of the archive."""
     inside = folder + link.strip().lstrip("./")
     there = {name.lstrip("./").casefold() for name in archive.namelist()}
-    return _member(archive, inside if folder and inside.lstrip("./").casefold() in there else link, limit)
+    return member(archive, inside if folder and inside.lstrip("./").casefold() in there else link, limit, ".x3p")
 
 
 def _matrix(
@@ -110,19 +106,6 @@ def _bits(raw: bytes, rows: int, cols: int) -> np.ndarray:
         .reshape(rows, cols)
         .astype(bool)
     )
-
-
-def _member(archive: zipfile.ZipFile, name: str, limit: int) -> bytes:
-    """A member of the archive, at most ``limit`` bytes of it."""
-    names = {info.filename.lstrip("./").casefold(): info for info in archive.infolist()}
-    info = names.get(name.strip().lstrip("./").casefold())
-    if info is None:
-        raise ScanError(f"The .x3p archive lacks '{name.strip()[:60]}'; copy or export it again.")
-    if info.file_size > limit + 4096:
-        raise ScanError(f"The .x3p archive declares {info.file_size} bytes for '{info.filename[:60]}', more than fit.")
-    # A bound of its own: the declared size may lie, and reading on would unpack a bomb.
-    with archive.open(info) as member:
-        return member.read(limit + 4096)
 
 
 def _value(root: ElementTree.Element, path: str) -> str:

@@ -63,11 +63,8 @@ def _places(values: np.ndarray) -> tuple[np.ndarray | None, float]:
     if not (np.isfinite(span) and span > 0):
         return None, 0.0
     gaps = np.diff(levels)
-    # Values that differ by rounding only are one level.
-    gaps = gaps[gaps > 1e-6 * span]
-    if gaps.size == 0:
-        return None, 0.0
-    step = float(np.median(gaps))
+    # Values that differ by rounding or by the stage's noise are one level; a line or two may be missing between levels.
+    step = float(np.median(gaps[gaps > 0.3 * gaps.max()]))
     count = round(span / step)
     if not 1 <= count <= 10 * values.size:
         return None, 0.0

@@ -127,7 +127,7 @@ def _load(rows: list[str], style: Style, header: Header, words: list[str] | None
         if words is not None and numbers is not None and not any(number is None for number in numbers[1:]):
             # "y, 0, 1, 2": a word or nothing above the first column, places along x above the others.
             values = values[:, 1:]
-            notes.append("the first row and column hold coordinates and were left out")
+            notes.append("the coordinates in the first row and column were left out")
         else:
             named = columns_of(words) if words is not None else None
             listed = _listed(values, named, header, notes)
@@ -135,15 +135,17 @@ def _load(rows: list[str], style: Style, header: Header, words: list[str] | None
                 return listed
             values, left_out = without_coordinates(values)
             if left_out is not None:
-                notes.append(f"the {left_out} hold coordinates and were left out")
-        if (values.shape[1] <= 3 and values.shape[0] > values.shape[1] > 1) or (left_one(values) and notes):
+                notes.append(f"the coordinates in the {left_out} were left out")
+            if left_out == "first column" and values.shape[1] <= 8 and values.shape[0] >= 4 * values.shape[1]:
+                refuse_list((values.shape[0], values.shape[1] + 1))  # several spectra over one axis
+        if (values.shape[1] <= 3 and values.shape[0] > values.shape[1] > 1) or (_left_one(values) and notes):
             refuse_list(values.shape)
     check_shape(*values.shape)
     size_m = header.size_m(*values.shape)
     return Samples(values[::-1] * header.factor, size_m, np.isnan(values[::-1]), notes=tuple(notes))
 
 
-def left_one(values: np.ndarray) -> bool:
+def _left_one(values: np.ndarray) -> bool:
     """Whether one row or column is left: a profile under its coordinates."""
     return min(values.shape) < 2
 

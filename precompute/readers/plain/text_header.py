@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 from ..common.units import metres_per
 
-_NUMBER = r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?"
+_NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
 _PAIR = re.compile(rf"^\s*({_NUMBER})\s*(.*?)\s*$")
 _ESRI = re.compile(r"^\s*(ncols|nrows|cellsize|nodata_value|[xy]ll(?:corner|center))\s+(\S+)\s*$", re.IGNORECASE)
 

@@ -23,7 +23,7 @@ _MARKS = {
     *("masked", "nodata", "no data", "-", "--", "---", "*", "***"),
     *("1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "1.#snan"),
 }
-_PLAIN = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?$")
+_PLAIN = re.compile(r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eEdD][-+]?\d+)?$")
 _COMMA = re.compile(r"[-+]?(?:\d+(?:,\d+)?|,\d+)(?:[eEdD][-+]?\d+)?$")
 _INFINITE = re.compile(r"[-+]?(?:inf(?:inity)?|1\.#inf)$", re.IGNORECASE)
 _SAMPLE_LINES = 64

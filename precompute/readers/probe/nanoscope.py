@@ -155,7 +155,7 @@ def _whole(value: str | None) -> int:
 
 def _not_square(keys: dict[str, str]) -> bool:
     """Whether ``Aspect Ratio`` is there and another than 1:1; it is written ``2:1`` or ``0.5``."""
-    match = re.match(r"\s*(\d+\.?\d*|\.\d+)\s*(?::\s*(\d+\.?\d*|\.\d+))?", keys.get("aspect ratio", ""))
+    match = re.match(r"\s*(\d+(?:\.\d*)?|\.\d+)\s*(?::\s*(\d+(?:\.\d*)?|\.\d+))?", keys.get("aspect ratio", "")[:80])
     if match is None:
         return False
     first, second = float(match[1]), float(match[2] or 1)

@@ -9,7 +9,7 @@ import pytest
 from mathutils import Vector
 
 from precompute.light.colour import xyz_to_rgb_matrix
-from tests.support.blender import materials, scenes, tables
+from tests.support.blender import light_list, materials, scenes, tables
 from tests.support.blender.against_diffuse import both
 from tests.support.blender.lamps import LAMPS, add_lamp
 from tests.truth import radiance
@@ -21,7 +21,9 @@ def test_lamp_with_constant_f_equals_diffuse(blender, monkeypatch, tmp_path, nam
     add_lamp(kind, **data)
     plane = scenes.add_plane(half=1.0)
     scenes.add_camera((0.1, 0.2, 1.0), extent=1.0)
-    ours, diffuse = both(plane, monkeypatch, tmp_path, samples=256)
+    # An uneven lamp has a narrow lobe about a random place, which is noisier.
+    samples = 2048 if "spread" in data else 256
+    ours, diffuse = both(plane, monkeypatch, tmp_path, samples)
     assert ours.mean() == pytest.approx(diffuse.mean(), rel=0.01)
     assert diffuse.mean() > 0.05
 
@@ -78,17 +80,11 @@ def test_wide_area_lamp_averages_the_brdf_over_its_solid_angle(blender, tmp_path
 
 
 def test_materials_follow_lamps_by_themselves(blender, tmp_path):
-    """Added, retyped, hidden, removed: the handler keeps the sockets right without a call."""
+    """Added, retyped, hidden, removed: the handler keeps the scene's list right without a call."""
     tables.make_table(tmp_path / "t.exr", tables.lobes)
     plane = scenes.add_plane()
-    made = materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE")
-    inputs = made.node_tree.nodes["Diffraction"].inputs
-
-    def kinds():
-        bpy.context.view_layer.update()
-        bpy.context.view_layer.update()  # the handler's own changes
-        return [inputs[f"Lamp{n}Kind"].default_value for n in range(1, 5)]
-
+    materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE")
+    kinds = light_list.kinds
     assert kinds() == [0, 0, 0, 0]
     sun = scenes.add_sun((0, 0, 1), name="a sun")
     assert kinds() == [1, 0, 0, 0]
@@ -99,30 +95,31 @@ def test_materials_follow_lamps_by_themselves(blender, tmp_path):
     lamp.data.type = "POINT"
     assert kinds() == [1, 2, 0, 0]
     sun.hide_render = True
-    assert kinds() == [2, 0, 0, 0]
+    assert sorted(kinds()) == [0, 0, 0, 2]
     sun.hide_render = False
     lamp.name = "0 first now"
-    assert kinds() == [2, 1, 0, 0]
+    assert sorted(kinds()) == [0, 0, 1, 2]
     bpy.data.objects.remove(sun)
     assert kinds() == [2, 0, 0, 0]
     lamp.location = (1, 2, 3)
-    bpy.context.view_layer.update()
-    assert tuple(inputs["Lamp1Place"].default_value) == pytest.approx((1, 2, 3))
+    assert light_list.place(1) == pytest.approx((1, 2, 3))
 
 
-def test_more_lamps_than_a_material_follows_are_named(blender, tmp_path):
+def test_more_lamps_than_a_list_holds_are_named(blender, tmp_path, capsys):
     tables.make_table(tmp_path / "t.exr", tables.lobes)
     plane = scenes.add_plane()
     for number in range(18):
-        scenes.add_sun((0, 0.1 * number, 1), name=f"sun {number:02}")
+        scenes.add_sun((0, 0.1 * number, 1), strength=18 - number, name=f"sun {number:02}")
     bpy.context.view_layer.update()
     plane.select_set(True)
     state = bpy.context.scene.diffraction
     state.table_path = str(tmp_path / "t.exr")
     assert bpy.ops.diffraction.apply_material() == {"FINISHED"}
     bpy.context.view_layer.update()
-    assert "sun 16" in state.message
-    assert "18 lamps" in state.message
+    for text in (state.message, capsys.readouterr().out):
+        assert "sun 16, sun 17" in text
+        assert "sun 15" not in text
+        assert "18 lights" in text
 
 
 def test_settings_are_remembered_and_given_back(blender, tmp_path):
@@ -132,10 +129,10 @@ def test_settings_are_remembered_and_given_back(blender, tmp_path):
     lamp.data.cycles.use_multiple_importance_sampling = True
     scene = bpy.context.scene
     scene.cycles.shading_system = False
-    notes = setup.prepare_scene(scene, [lamp])
-    assert len(notes) == 2
+    notes = setup.prepare_scene(scene)
+    assert len(notes) == 1
     assert scene.cycles.shading_system
-    assert not lamp.data.cycles.use_multiple_importance_sampling
+    assert lamp.data.cycles.use_multiple_importance_sampling  # other materials live on it
     setup.restore_scene(scene)
     assert not scene.cycles.shading_system
     assert lamp.data.cycles.use_multiple_importance_sampling
@@ -162,20 +159,16 @@ def test_settings_are_shown_and_given_back_by_a_button(blender, tmp_path):
             plane.active_material.cycles.use_bump_map_correction,
         )
 
-    assert settings() == (True, False, False)
-    assert setup.changes(scene) == [
-        "Open Shading Language on", "Multiple importance sampling off: 1 lamp", "Bump map correction off: 1 material"
-    ]  # fmt: skip
+    assert settings() == (True, True, False)
+    assert setup.changes(scene) == ["Open Shading Language on", "Bump map correction off: 1 material"]
     assert bpy.ops.diffraction.restore_settings() == {"FINISHED"}
     assert settings() == (False, True, True)
-    add_lamp("SPOT", name="another")  # the handler binds it and leaves the settings alone
-    bpy.context.view_layer.update()
-    bpy.context.view_layer.update()
-    assert plane.active_material.node_tree.nodes["Diffraction"].inputs["Lamp1Kind"].default_value != 0
+    add_lamp("SPOT", name="another")  # the handler lists it and leaves the settings alone
+    assert light_list.kinds()[1] != 0
     assert settings() == (False, True, True)
     assert setup.changes(scene) == []
     assert bpy.ops.diffraction.apply_material() == {"FINISHED"}
-    assert settings() == (True, False, False)
+    assert settings() == (True, True, False)
 
 
 def test_lamp_in_a_linked_collection_that_an_empty_shows(blender, tmp_path):
@@ -199,12 +192,11 @@ def test_lamp_in_a_linked_collection_that_an_empty_shows(blender, tmp_path):
     tables.make_table(tmp_path / "t.exr", tables.lobes)
     plane = scenes.add_plane()
     scenes.add_camera(extent=1.8)
-    made = materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE", environment=0)
+    materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE", environment=0)
     bpy.context.scene.frame_set(11)
     instanced = scenes.render(24)
-    place = Vector(made.node_tree.nodes["Diffraction"].inputs["Lamp1Place"].default_value)
     expected = empty.matrix_world @ (Vector((0.5, 0.2, 1.0)) - Vector((0.1, 0.2, 0.3)))
-    assert tuple(place) == pytest.approx(tuple(expected), abs=1e-5)
+    assert light_list.place(1) == pytest.approx(tuple(expected), abs=1e-5)
     bpy.data.objects.remove(empty)
     add_lamp("POINT", tuple(expected), shadow_soft_size=0.0)
     materials.diffracting(plane, tmp_path / "t.exr", fresnel="NONE", environment=0)

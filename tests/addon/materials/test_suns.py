@@ -16,13 +16,13 @@ from tests.truth import radiance
 def diffracting(ob, table_path, lamps=None, **settings):
     """Give an object a material of ours and return it."""
     extension.load()
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
 
     bpy.context.view_layer.update()
     made = bpy.data.materials.new(ob.name)
     extension.give_nodes(made)
     made.node_tree.nodes.clear()
-    material.apply(made, table_path, material.Settings(**settings), lamps or lights.lamp_objects(bpy.context.scene))
+    material.apply(made, table_path, material.Settings(**settings))
     made.node_tree.nodes["Pigment"].inputs["Color"].default_value = (0, 0, 0, 1)
     ob.data.materials.append(made)
     return made
@@ -146,7 +146,7 @@ def test_sphere_with_the_table_of_the_snake_preset(blender, snake):
 @pytest.mark.parametrize("implementation", ["OSL", "NODES"])
 def test_normal_map_of_the_pigment_tilts_the_surface(blender, tmp_path, implementation):
     """A tangent-space normal of (0.3, 0, 1) everywhere: the plane shines as one that is tilted by that much."""
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
 
     table = tables.make_table(tmp_path / "t.exr", tables.lobes)
     plane = scenes.add_plane()
@@ -164,7 +164,7 @@ def test_normal_map_of_the_pigment_tilts_the_surface(blender, tmp_path, implemen
     links.new(shader.outputs[0], output.inputs[0])
     bpy.context.view_layer.update()
     settings = material.Settings(implementation=implementation, fresnel="NONE", environment=0)
-    material.apply(made, tmp_path / "t.exr", settings, lights.lamp_objects(bpy.context.scene))
+    material.apply(made, tmp_path / "t.exr", settings)
     plane.data.materials.append(made)
     image = scenes.render(4).mean((0, 1))
     n = np.array((0.3, 0, 1)) / np.linalg.norm((0.3, 0, 1))

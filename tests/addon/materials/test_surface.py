@@ -58,7 +58,7 @@ def test_light_below_the_surface_and_at_its_horizon(blender, tmp_path, implement
 @BOTH
 def test_bump_of_the_pigment_tilts_the_surface(blender, tmp_path, implementation):
     """Heights that rise by 0.3 along x: the plane shines as one whose normal is (-0.3, 0, 1)."""
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
 
     table = tables.make_table(tmp_path / "t.exr", tables.lobes)
     plane, sun, view = scenes.add_plane(), unit(-0.6, -0.2, 0.9), unit(-0.1, 0.2, 1.0)
@@ -77,7 +77,7 @@ def test_bump_of_the_pigment_tilts_the_surface(blender, tmp_path, implementation
     links.new(bump.outputs["Normal"], shader.inputs["Normal"])
     bpy.context.view_layer.update()
     settings = material.Settings(implementation=implementation, fresnel="NONE", environment=0)
-    material.apply(made, tmp_path / "t.exr", settings, lights.lamp_objects(bpy.context.scene))
+    material.apply(made, tmp_path / "t.exr", settings)
     image = scenes.render(4).mean((0, 1))
     n = unit(-0.3, 0, 1)
     t = unit(*(np.array((1, 0, 0)) - n[0] * n))

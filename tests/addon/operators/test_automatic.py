@@ -134,3 +134,34 @@ def test_a_shared_material_is_said_and_can_be_kept_apart(plane, capfd):
     assert other.active_material != plane.active_material
     ior = [ob.active_material.node_tree.nodes["Diffraction"].inputs["IOR"].default_value for ob in (plane, other)]
     assert ior == pytest.approx([1.3, 1.4])
+
+
+def test_untouched_grey_gives_way_to_a_dark_ground_on_request(plane):
+    """Colours drown in the grey that Blender starts with; whatever somebody has touched stays."""
+    from tests.support.blender import extension
+
+    grey = bpy.data.materials.new("Material")
+    extension.give_nodes(grey)
+    plane.data.materials.append(grey)
+    bpy.context.view_layer.update()
+
+    def pigment():
+        return plane.active_material.node_tree.nodes["Diffraction"].inputs["Base"].links[0].from_node.bl_idname
+
+    assert bpy.ops.diffraction.apply_material() == {"FINISHED"}  # a script that says nothing keeps what is there
+    assert pigment() == "ShaderNodeBsdfPrincipled"
+    plane.active_material = grey
+    assert bpy.ops.diffraction.apply_material(dark_ground=True) == {"FINISHED"}
+    assert pigment() == "ShaderNodeBsdfDiffuse"
+    grey.node_tree.nodes["Principled BSDF"].inputs["Metallic"].default_value = 1.0
+    plane.active_material = grey
+    assert bpy.ops.diffraction.apply_material(dark_ground=True) == {"FINISHED"}
+    assert pigment() == "ShaderNodeBsdfPrincipled"
+
+
+def test_the_start_up_files_material_is_untouched(blender):
+    from diffraction_shader.addon.operators.apply_material import untouched
+
+    bpy.ops.wm.read_factory_settings()
+    assert untouched(bpy.data.materials["Material"])
+    bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -165,8 +165,8 @@ def test_table_of_another_release_is_recognised_and_baked_again(project):
     folder, image = project
     sidecar = folder / "diffraction" / "sinusoid.json"
     text = sidecar.read_text()
-    assert '"format_version": 1' in text
-    sidecar.write_text(text.replace('"format_version": 1', '"format_version": 0'))
+    assert '"format_version": 2' in text
+    sidecar.write_text(text.replace('"format_version": 2', '"format_version": 0'))
     found = life.run(life.rebake, path=folder / "scene.blend")
     assert (found["before"], found["after"]) == ({"grating": "OLD"}, {"grating": "READY"})
     assert np.allclose(found["picture"], image, atol=1e-4)

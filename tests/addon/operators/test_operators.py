@@ -205,6 +205,8 @@ def test_panel_draws_from_scan_to_material(saved, scan):
     bpy.ops.diffraction.apply_material()
     shown = []
     for cls in panels.CLASSES:
+        if not hasattr(cls, "draw"):  # a handler of dropped files
+            continue
         if hasattr(cls, "poll") and not cls.poll(bpy.context):
             continue
         stand_in = type("Panel", (), {"layout": bpy.context.window_manager.popmenu_begin__internal("test").layout})

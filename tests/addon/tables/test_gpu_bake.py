@@ -76,7 +76,7 @@ def test_intensity_of_the_gpu_is_that_of_plain_sums(patch):
     coefficients = transforms(polar, kappas)
     assert transforms.device == "GPU"
     angles = np.array([0.3, 1.9, 4.4])
-    found = polar.polar(coefficients, angles)[:, 0]  # at the kappa that the trial did not compute
+    found = polar.polar(coefficients, angles)[..., 0].T  # at the kappa that the trial did not compute
     reached = polar.frequencies < 2 / 380e-9
     for index, angle in enumerate(angles):
         f = polar.frequencies[reached]

@@ -37,8 +37,7 @@ def test_file_is_baked_and_its_change_is_told(project):
     assert "Changed since" not in words(shown("bake"))
 
     plane = plane_with_material()
-    matrix = [tuple(plane.active_material.node_tree.nodes["Diffraction"].inputs[f"To{c}"].default_value)
-              for c in ("Red", "Green", "Blue")]  # fmt: skip
+    matrix = [tuple(bpy.context.scene[f"diffraction_to_{c}"]) for c in ("red", "green", "blue")]
     assert np.allclose(matrix, xyz_to_rgb_matrix("Linear Rec.709", "D65"), atol=1e-6)
 
     from diffraction_shader.addon.viewport import looks

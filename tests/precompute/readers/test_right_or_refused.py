@@ -2,6 +2,8 @@
 """Variants of the formats that are easily read wrongly: the right numbers or one sentence, nothing in between."""
 
 import io
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -216,6 +218,19 @@ def test_points_on_a_grid(read, order, separator):
     assert any("grid" in note for note in field.metadata["notes"])
 
 
+def test_points_of_a_noisy_stage(read):
+    """Positions as measured: a few thousandths of a step beside the grid, one line of points missing."""
+    noise = np.random.default_rng(3).normal(0, 1e-3, (20, 30, 2))
+    points = [
+        (0.1 * x + 0.1 * noise[y, x, 0], 0.2 * y + 0.2 * noise[y, x, 1], 7 * x + y)
+        for y in range(20) for x in range(30) if x != 9
+    ]  # fmt: skip
+    field = read("scan.xyz", rows_of(points, " ").encode(), size_m=(3e-6, 4e-6), height_m=222e-9)
+    assert field.shape == (20, 30) and field.missing[:, 9].all() and field.missing.sum() == 20
+    y, x = np.mgrid[0:20, 0:30]
+    np.testing.assert_allclose(field.heights[~field.missing], (7 * x + y)[~field.missing] * 1e-9, atol=1e-15)
+
+
 def test_points_with_units_and_a_gap(read):
     text = "z [nm],x [um],y [um]\n" + rows_of([(z, x, y) for x, y, z in POINTS if z != 100], ",")
     same(read("scan.xyz", text), [(1, 1)], (2, 1.5))
@@ -230,6 +245,7 @@ def test_points_with_units_and_a_gap(read):
         "Z piezo [nm]\tDeflection [nm]\tForce [nN]\n" + "".join(f"{i}\t{i * i}\t{3 * i * i}\n" for i in range(40)),
         "".join(f"{x} {y} {x + y}\n" for x, y in np.random.default_rng(0).random((40, 2))),
         "0 1 2 3 4 5 6 7 8 9\n5 3 2 6 4 8 6 1 2 3\n",
+        "".join(f"{400 + i} {i % 3} {i % 5} {i % 7} {i % 11}\n" for i in range(40)),
     ],
 )
 def test_lists_are_no_map(refused, text):
@@ -424,3 +440,17 @@ def test_exports_of_several_channels(read):
     field = read("scan.txt", text)
     same(field, size_um=(2, 1.5))
     assert field.metadata["channels"] == ["Phase [deg]", "Topo [nm]"]
+
+
+def test_floats_with_predictor_3_name_what_is_missing(refused):
+    """A TIFF of one strip, deflated, whose bytes were predicted (Adobe's technical note 3)."""
+    from importlib.util import find_spec
+
+    if find_spec("imagecodecs") is not None:
+        pytest.skip("imagecodecs is installed, so such a file is read")
+    strip = zlib.compress(bytes(4 * 12))
+    entries = [(256, 4), (257, 3), (258, 32), (259, 8), (262, 1), (273, 8), (277, 1), (278, 3)]
+    entries += [(279, len(strip)), (317, 3), (339, 3)]
+    table = struct.pack("<H", len(entries)) + b"".join(struct.pack("<HHII", tag, 4, 1, value) for tag, value in entries)
+    data = struct.pack("<2sHI", b"II", 42, 8 + len(strip)) + strip + table + struct.pack("<I", 0)
+    assert "imagecodecs" in refused("scan.tif", data, **SIZES)

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables that 0.1.0 saved read as they did, and its bakes come out as they did, bit for bit."""
+"""Tables that 0.1.0 saved read as they did, bit for bit, and its bakes come out as they did, to rounding."""
+
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,21 +27,22 @@ def test_a_table_reads_as_it_did():
 @pytest.fixture(scope="module")
 def bakes():
     """What 0.1.0 took down, and the same of today's code."""
-    return v0_1_0.recorded("bakes")["bakes"], SCRIPT.bake_all(bake, make_preset, BakeParameters)
+
+    def bake_as_then(*given):
+        """Slices and albedos; what format 2 put above them is not of 0.1.0."""
+        table = bake(*given)
+        return SimpleNamespace(atlas=table.atlas[: table.layout.albedo_y + table.layout.albedo_height])
+
+    return v0_1_0.recorded("bakes"), SCRIPT.bake_all(bake_as_then, make_preset, BakeParameters)
 
 
 @pytest.mark.parametrize("name", SCRIPT.BAKES)
 def test_a_bake_gives_the_same_texels(bakes, name):
-    """On any machine; half floats of 10 bits, so a last bit that another processor rounds the other way is 1e-3."""
+    """To the last of a half float's 10 bits, and to the rounding of transforms in single precision of the brightest.
+
+    The order in which transforms sum may change, and does between processors; what they sum may not.
+    """
     before, now = (each[name] for each in bakes)
     assert now["shape"] == before["shape"]
     texels = np.array(before["texels"])
-    assert np.array(now["texels"]) == pytest.approx(texels, rel=1.1e-3, abs=1e-4 * texels.max())
-
-
-@pytest.mark.parametrize("name", SCRIPT.BAKES)
-def test_a_bake_is_the_same_bit_for_bit(bakes, name):
-    if SCRIPT.calibration() != v0_1_0.recorded("bakes")["calibration"]:
-        pytest.skip("numpy and scipy round the last bit otherwise here than where 0.1.0's bakes were taken down")
-    before, now = (each[name] for each in bakes)
-    assert now["sha256"] == before["sha256"]
+    assert np.array(now["texels"]) == pytest.approx(texels, rel=2.0**-10, abs=1e-7 * texels.max())

@@ -9,7 +9,6 @@ def add_lamp(kind, location=(0.6, -0.4, 1.6), energy=50.0, name="lamp", **data):
     """A lamp that looks at the origin; its data's properties by name."""
     light = bpy.data.lights.new(name, kind)
     light.energy = energy
-    light.cycles.use_multiple_importance_sampling = False
     for key, value in data.items():
         setattr(light, key, value)
     ob = bpy.data.objects.new(name, light)

@@ -69,13 +69,15 @@ def picture(size=16):
 def sockets():
     """Absolute paths that each material's shader reads, and whether they are files."""
     import bpy
+    from diffraction_shader.addon.materials.node import group
 
     found = {}
     for material in bpy.data.materials:
-        node = material.node_tree.nodes.get("Diffraction") if material.node_tree else None
+        tree = group.owner(material)
+        node = group.script_of(tree) if tree is not None else None
         for name in ("Atlas", "Importance"):
             if node is not None and name in node.inputs:
-                path = os.path.normpath(bpy.path.abspath(node.inputs[name].default_value, library=material.library))
+                path = os.path.normpath(bpy.path.abspath(node.inputs[name].default_value, library=tree.library))
                 found[f"{material.name} {name}"] = (path, os.path.isfile(path))
     return found
 
@@ -238,9 +240,11 @@ def rebake(path, scope="BROKEN", forget_origin=False):
 
     open_file(path)
     if forget_origin:
-        material = bpy.data.materials["grating"]
-        recipe = json.loads(material["diffraction_recipe"])
-        material["diffraction_recipe"] = json.dumps({**recipe, "source": "/nowhere/sinusoid.gsf"})
+        from diffraction_shader.addon.materials.node import group
+
+        owner = group.owner(bpy.data.materials["grating"])
+        recipe = json.loads(owner["diffraction_recipe"])
+        owner["diffraction_recipe"] = json.dumps({**recipe, "source": "/nowhere/sinusoid.gsf"})
     before = states()
     try:
         outcome = sorted(bpy.ops.diffraction.rebake(scope=scope))

@@ -9,7 +9,7 @@ from tests.support.blender import extension
 def diffracting(ob, table_path, implementation="OSL", pigment=(0, 0, 0, 1), **settings):
     """Give an object a material of ours that follows the scene's lamps, and return it."""
     extension.load()
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
 
     bpy.context.view_layer.update()
     made = bpy.data.materials.new(ob.name)
@@ -19,7 +19,6 @@ def diffracting(ob, table_path, implementation="OSL", pigment=(0, 0, 0, 1), **se
         made,
         table_path,
         material.Settings(implementation=implementation, **settings),
-        lights.lamp_objects(bpy.context.scene),
     )
     made.node_tree.nodes["Pigment"].inputs["Color"].default_value = pigment
     ob.data.materials.clear()

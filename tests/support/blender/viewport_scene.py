@@ -11,13 +11,13 @@ from tests.support.blender import extension
 
 def give_material(ob, path, name="material", **settings):
     """A material of ours on an object."""
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
 
     shaded = bpy.data.materials.new(name)
     extension.give_nodes(shaded)
     shaded.node_tree.nodes.clear()
     bpy.context.view_layer.update()
-    material.apply(shaded, str(Path(path)), material.Settings(**settings), lights.lamp_objects(bpy.context.scene))
+    material.apply(shaded, str(Path(path)), material.Settings(**settings))
     ob.data.materials.append(shaded)
     return shaded
 

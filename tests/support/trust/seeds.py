@@ -6,10 +6,11 @@ import struct
 import zipfile
 import zlib
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 
 import numpy as np
 
-from tests.support import scan_files
+from tests.support import more_scan_files, odd_scans, scan_files
 
 HEIGHTS = np.linspace(0.3e-6, 0.7e-6, 30).reshape(5, 6)
 SIZE = (6e-6, 10e-6)
@@ -112,6 +113,24 @@ def _x3p_parts():
     return (xml[:start] + xml[end + len(b"</MD5ChecksumPointData>") :], *rest)
 
 
+_TEXTS = (
+    b"size = 10 um\nunit: nm\n1,5;2,5\n3,5;4,5\n",
+    b"1 2 3\n4 5 6\n",
+    b"\xef\xbb\xbf# Width: 5 um\n# Height: 5 um\n# Value units: nm\n1e-3\t2\n3\t4\n",
+    "# Kanal: a\n# Breite: 5,0 µm\n# Höhe: 5,0 µm\n# Einheiten: nm\n1,5\t2,5\nNaN\t4,5\n".encode("utf-16"),
+    b"# File Format = ASCII\n# x-pixels = 2\n# y-pixels = 2\n# x-length = 5\n# y-length = 5\n# Bit2nm = 2\n1 2\n3 4\n",
+    b'# Width: 5 um\n# Height: 5 um\n# Value units: nm\n1.5,,2\n,3,\n4,5,"6"\n',
+    b"x [um],y [um],z [nm]\n0,0,1\n1,0,2\n0,1,3\n1,1,4\n",
+    b"Wyko ASCII Data File Format\t0\t0\t1\nX Size\t2\nY Size\t2\nWavelength\t7\t4\t500\nMult\t7\t4\t2\n"
+    b"Pixel_size\t7\t4\t0.0005\nRAW_DATA\t3\t16\t\n1\tBad\n3\t4\n",
+)
+_LISTS = (
+    b"ncols 4\nnrows 2\ncellsize 0.5\nNODATA_value -9999\n1 2 3 4\n5 6 -9999 8\n",
+    b",0,1,2,3\n0,1.5,2.5,3.5,9\n1,4.5,5.5,6.5,2\n2,8,1,3,4\n",
+    b"0 0 1\n1 0 2\n0 1 3\n1 1 4\n",
+)
+
+
 def seeds(folder):
     """Name and seed of each reader."""
     result = {
@@ -121,15 +140,31 @@ def seeds(folder):
     result["nanoscope"] = Seed(
         ".spm", (scan_files.nanoscope(HEIGHTS, SIZE), scan_files.nanoscope(HEIGHTS, SIZE, bits=32))
     )
-    result["text"] = Seed(
-        ".txt",
+    result["text"] = Seed(".txt", (scan_files.text(HEIGHTS, SIZE), *_TEXTS), {"height_m": 1e-7})
+    result["lists"] = Seed(".csv", _LISTS, PICTURE)
+    for name, (writer, extension, _) in more_scan_files.WRITERS.items():
+        result[name] = Seed(extension, (writer(HEIGHTS, SIZE),))
+    if HAS_HDF:
+        for name, (writer, extension, _) in more_scan_files.HDF.items():
+            result[name] = Seed(extension, (writer(HEIGHTS, SIZE),))
+    result["npy"] = Seed(".npy", tuple(more_scan_files.npy(HEIGHTS, SIZE, order) for order in "CF"), PICTURE)
+    result["npz"] = Seed(".npz", (more_scan_files.npz(HEIGHTS, SIZE),), PICTURE)
+    packed = (
+        odd_scans.sur(b"um", packed=streams, missing=True, objects=layers) for streams, layers in ((1, 1), (3, 2))
+    )
+    result["sur"] = Seed(".sur", (*result["sur"].files, *packed))
+    bcr = odd_scans.sdf(b"bBCR-1.0", 5, "<i2", 2**15 - 1)
+    result["sdf"] = Seed(".sdf", (*result["sdf"].files, bcr, odd_scans.sdf(b"bISO-2.0", 3, "<f4", np.nan)))
+    colour = np.repeat(_grey()[..., None], 4, axis=2)
+    result["png16"] = Seed(
+        ".png",
+        (odd_scans.png(colour, (4, 3, 2, 1)),),
+        PICTURE,
         (
-            scan_files.text(HEIGHTS, SIZE),
-            b"size = 10 um\nunit: nm\n1,5;2,5\n3,5;4,5\n",
-            b"1 2 3\n4 5 6\n",
-            b"\xef\xbb\xbf# Width: 5 um\n# Height: 5 um\n# Value units: nm\n1e-3\t2\n3\t4\n",
+            struct.pack(">IIBBBBB", 6, 5, 16, 6, 0, 0, 0),
+            b"".join(b"\4" + row.astype(">u2").tobytes() for row in colour),
         ),
-        {"height_m": 1e-7},
+        join_png,
     )
     result["sdf_ascii"] = Seed(".sdf", (scan_files.sdf_ascii(HEIGHTS, SIZE),))
     grey = _grey().astype(">u2")
@@ -144,4 +179,11 @@ def seeds(folder):
     return result
 
 
-NAMES = (*scan_files.WRITERS, "sdf_ascii", "png", "jpeg", "bmp", "tiff", "exr")
+HAS_HDF = find_spec("h5py") is not None
+#: Where h5py is not installed its formats are refused before a byte is read.
+NAMES = (
+    *scan_files.WRITERS,
+    *more_scan_files.WRITERS,
+    *(more_scan_files.HDF if HAS_HDF else ()),
+    *("sdf_ascii", "lists", "npy", "npz", "png", "png16", "jpeg", "bmp", "tiff", "exr"),
+)

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bright spots of an equirectangular image of the surroundings: direction and size, found once and kept with it.
+
+A spot is what stands out so far that random mirrors miss it: a sun, a lamp. Wide bright areas (windows, softboxes) and
+the sky are left to the environment.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+
+import bpy
+import numpy as np
+
+#: Custom property of images: what was found, and of which size and file.
+KEY = "diffraction_spots"
+
+#: Spots of an image at most, and what one has to be: radiance over the mean, part of all light, radius in radians.
+MOST, STANDS_OUT, PART, RADIUS_MAX = 4, 100.0, 0.02, 0.1
+
+Spot = tuple[float, float, float, float, float]
+
+
+def of(image: bpy.types.Image) -> list[Spot]:
+    """Spots of an image, brightest first: unit direction x, y, z, radius (rad), irradiance in the image's units."""
+    stamp = [image.filepath, *image.size]
+    try:
+        kept = json.loads(image.get(KEY, "[]"))
+        if kept and kept[0] == stamp:
+            return [(x, y, z, radius, strength) for x, y, z, radius, strength in kept[1]]
+    except ValueError:
+        pass
+    width, height = image.size
+    if not image.has_data and not width * height:
+        return []
+    pixels = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(pixels)
+    pixels = pixels.reshape(height, width, image.channels)
+    spots = search(pixels[..., : min(3, image.channels)].mean(-1))
+    if image.is_editable:
+        image[KEY] = json.dumps([stamp, spots])
+    return spots
+
+
+def search(luminance: np.ndarray) -> list[Spot]:
+    """Spots of an equirectangular picture ``(height, width)``, row 0 at the bottom.
+
+    From the brightest pixel outwards all that is brighter than a tenth of it belongs to a spot; its axis is the mean
+    by power, its radius that of the smallest cone that holds it.
+    """
+    height, width = luminance.shape
+    elevation = ((np.arange(height) + 0.5) / height - 0.5) * math.pi
+    power = np.maximum(luminance, 0.0) * (np.cos(elevation) * (math.pi / height) * (2.0 * math.pi / width))[:, None]
+    total = float(power.sum())
+    if not total > 0.0 or not math.isfinite(total):
+        return []
+    mean, left = total / (4.0 * math.pi), luminance.copy()
+    found: list[Spot] = []
+    for _ in range(MOST):
+        row, column = np.unravel_index(int(left.argmax()), left.shape)
+        peak = float(left[row, column])
+        if peak < STANDS_OUT * mean:
+            break
+        rows, columns = _region(left, int(row), int(column), 0.1 * peak)
+        part = power[rows, columns]
+        vectors = _directions(rows, columns, height, width)
+        axis = (vectors * part[:, None]).sum(0)
+        axis /= max(float(np.linalg.norm(axis)), 1e-12)
+        texel = 0.5 * math.hypot(math.pi / height, 2.0 * math.pi / width)
+        radius = float(np.arccos(np.clip(vectors @ axis, -1.0, 1.0)).max()) + texel
+        left[rows, columns] = 0.0
+        if radius <= RADIUS_MAX and part.sum() >= PART * total:
+            x, y, z = map(float, axis)
+            found.append((x, y, z, radius, float(part.sum())))
+    return sorted(found, key=lambda spot: -spot[4])
+
+
+def _region(picture: np.ndarray, row: int, column: int, least: float) -> tuple[np.ndarray, np.ndarray]:
+    """Pixels above a value that hang together with one; columns go round."""
+    height, width = picture.shape
+    seen, waiting = {(row, column)}, [(row, column)]
+    most = max(64, int(picture.size * 0.01))
+    while waiting and len(seen) < most:
+        r, c = waiting.pop()
+        for near in ((r - 1, c), (r + 1, c), (r, (c - 1) % width), (r, (c + 1) % width)):
+            if 0 <= near[0] < height and near not in seen and picture[near] > least:
+                seen.add(near)
+                waiting.append(near)
+    rows, columns = np.array(sorted(seen)).T
+    return rows, columns
+
+
+def _directions(rows: np.ndarray, columns: np.ndarray, height: int, width: int) -> np.ndarray:
+    """Unit vectors ``(n, 3)`` of pixels, as Cycles lays an equirectangular picture about z."""
+    theta = ((rows + 0.5) / height - 0.5) * math.pi
+    phi = (0.5 - (columns + 0.5) / width) * 2.0 * math.pi
+    # direction_to_equirectangular: u = -atan2(y, x) / (2 pi) + 1/2, v = asin(z) / pi + 1/2
+    return np.stack([np.cos(theta) * np.cos(phi), np.cos(theta) * np.sin(phi), np.sin(theta)], -1)

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lamps that the depsgraph makes: instances by geometry nodes, vertices, faces and particles.
+
+No driver can follow them, so Python writes their numbers on each frame, and only where a search found some.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+
+from . import lamps
+from .slots import KINDS
+from .source import Source
+
+
+def possible(scene: bpy.types.Scene) -> bool:
+    """Whether a scene may hold such instances; quick where it has no lamp at all."""
+    if not bpy.data.lights:
+        return False
+    for each in lamps.with_sets(scene):
+        for ob in each.objects:
+            if ob.instance_type in {"VERTS", "FACES"} or ob.particle_systems:
+                return True
+            if ob.type != "LIGHT" and any(modifier.type == "NODES" for modifier in ob.modifiers):
+                return True
+    return False
+
+
+def sources(depsgraph: bpy.types.Depsgraph) -> Iterator[Source]:
+    """Instanced lamps as they stand now; those of collections that empties show have drivers and are left out."""
+    for instance in depsgraph.object_instances:
+        if not instance.is_instance or instance.object.type != "LIGHT":
+            continue
+        parent = instance.parent
+        if parent is None or (parent.type == "EMPTY" and parent.instance_type == "COLLECTION"):
+            continue
+        ob, light, world = instance.object, instance.object.data, instance.matrix_world
+        if lamps.is_portal(light) or ob.original.hide_render:
+            continue
+        kind = lamps.lamp_kind(light)
+        place = world.col[2].xyz if kind == "SUN" else world.translation
+        u, v, size = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), lamps.sizes(light)[0]
+        if light.type == "AREA":
+            halves = [0.5 * side for side in lamps.sizes(light)]
+            u, v = (tuple(half * world.col[i].xyz) for i, half in enumerate(halves))
+            size = light.spread
+        uneven = float(lamps.is_uneven(light))
+        name = f"{parent.name}: {ob.name}"
+        yield Source(
+            key=(("instance", parent.original.as_pointer(), *instance.persistent_id), name),
+            name=name,
+            kind=kind,
+            entries=(*place, float(KINDS[kind]), *u, float(size), *v, uneven),
+            strength=lamps.power_at(light, world),
+            is_written=True,
+        )

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights of the world: the sun of a Sky Texture, driven by its settings, and bright spots of an environment image."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+from mathutils import Euler, Matrix, Vector
+
+from . import hot_spots
+from .slots import KINDS
+from .source import Drive, Entry, Source, Variable
+
+#: Types of skies that can show a sun's disc.
+_WITH_DISC = {"NISHITA", "SINGLE_SCATTERING", "MULTIPLE_SCATTERING"}
+
+#: Irradiance of a sky's sun for the ranking, in the sky's own units at strength 1: far above what else there is.
+_SUN_STRENGTH = 1000.0
+
+
+def sources(scene: bpy.types.Scene) -> Iterator[Source]:
+    """Lights of a scene's world, as far as its nodes tell them: textures with no other vector than a Mapping's."""
+    world = scene.world
+    tree = world.node_tree if world is not None else None
+    if world is None or tree is None:
+        return
+    for node in tree.nodes:
+        if node.mute or not any(socket.is_linked for socket in node.outputs):
+            continue
+        if node.bl_idname == "ShaderNodeTexSky" and node.sky_type in _WITH_DISC:
+            turn = _turn(node)
+            if turn is not None:
+                yield _sun(world, node, turn)
+        elif node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None:
+            turn = _turn(node)
+            if turn is not None and node.projection == "EQUIRECTANGULAR":
+                yield from _spots(world, node, turn)
+
+
+def _turn(node: bpy.types.Node) -> bpy.types.Node | Matrix | None:
+    """What turns a texture: a Mapping node about z alone (which a driver can follow), a matrix, or None if unknown."""
+    socket = node.inputs.get("Vector")  # skies of Blender 5 have none
+    if socket is None or not socket.links:
+        return Matrix.Identity(3)
+    before = socket.links[0].from_node
+    if before.bl_idname == "ShaderNodeTexCoord":
+        return Matrix.Identity(3) if socket.links[0].from_socket.name == "Generated" else None
+    if before.bl_idname != "ShaderNodeMapping" or before.vector_type == "NORMAL":
+        return None
+    vector = before.inputs["Vector"]
+    if vector.links and vector.links[0].from_socket.name not in {"Generated", "Incoming"}:
+        return None
+    rotation = before.inputs["Rotation"]
+    if rotation.links or any(
+        abs(x) > 1e-6 for x in before.inputs["Location"].default_value if before.inputs["Location"].enabled
+    ):
+        return None
+    if all(abs(x) < 1e-6 for x in rotation.default_value[:2]):
+        return before
+    turned = Euler(rotation.default_value).to_matrix()
+    return turned if before.vector_type == "TEXTURE" else turned.transposed()
+
+
+def _turned(
+    world: bpy.types.World, turn: bpy.types.Node | Matrix, x: str, y: str, z: str, known: tuple[Variable, ...]
+) -> tuple[Entry, ...]:
+    """A direction in the texture's own frame as one of the world: expressions of its components, their variables."""
+    if isinstance(turn, Matrix):
+        rows = []
+        for row in _rows(turn):
+            terms = [f"{value:.9g}*({term})" for value, term in zip(row, (x, y, z), strict=True) if abs(value) > 1e-9]
+            rows.append("+".join(terms) or "0")
+        return tuple(Drive(known, row) for row in rows)
+    angle = Variable(
+        "q",
+        world,
+        f'node_tree.nodes["{bpy.utils.escape_identifier(turn.name)}"].inputs[{_index(turn)}].default_value[2]',
+    )
+    sign = "" if turn.vector_type == "TEXTURE" else "-"  # a point is turned, so what is seen turns the other way
+    c, s = f"cos({sign}q)", f"sin({sign}q)"
+    return (
+        Drive((*known, angle), f"({x})*{c}-({y})*{s}"),
+        Drive((*known, angle), f"({x})*{s}+({y})*{c}"),
+        Drive(known, z) if known else float(z),
+    )
+
+
+def _path(node: bpy.types.Node) -> str:
+    return f'node_tree.nodes["{bpy.utils.escape_identifier(node.name)}"]'
+
+
+def _rows(matrix: Matrix) -> list[tuple[float, ...]]:
+    return [tuple(matrix[i]) for i in range(3)]
+
+
+def _index(mapping: bpy.types.Node) -> int:
+    return list(mapping.inputs).index(mapping.inputs["Rotation"])
+
+
+def _sun(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix) -> Source:
+    path = _path(node)
+    known = (Variable("e", world, f"{path}.sun_elevation"), Variable("r", world, f"{path}.sun_rotation"))
+    place = _turned(world, turn, "cos(e)*sin(r)", "cos(e)*cos(r)", "sin(e)", known)
+    switch = Drive((Variable("d", world, f"{path}.sun_disc"),), f"{KINDS['SUN']}*d")
+    size = Drive((Variable("value", world, f"{path}.sun_size"),))
+    return Source(
+        key=("sky", world.as_pointer(), world.name_full, node.name, node.sky_type, _signature(turn)),
+        name=f"{world.name}: {node.name}",
+        kind="SUN",
+        entries=(*place, switch, 0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, 0.0),
+        strength=_SUN_STRENGTH,
+    )
+
+
+def _spots(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix) -> Iterator[Source]:
+    for number, (x, y, z, radius, strength) in enumerate(hot_spots.of(node.image)):
+        texts = (f"{x:.7g}", f"{y:.7g}", f"{z:.7g}")
+        if isinstance(turn, Matrix):
+            place: tuple[Entry, ...] = tuple(Vector(row).dot(Vector((x, y, z))) for row in _rows(turn))
+        else:
+            place = _turned(world, turn, *texts, ())
+        yield Source(
+            key=("image", world.as_pointer(), world.name_full, node.name, number, texts, radius, _signature(turn)),
+            name=f"{world.name}: {node.image.name}",
+            kind="SUN",
+            entries=(*place, float(KINDS["SUN"]), 0.0, 0.0, 0.0, 2.0 * radius, 0.0, 0.0, 0.0, 1.0),
+            strength=strength,
+        )
+
+
+def _signature(turn: bpy.types.Node | Matrix) -> tuple:
+    if isinstance(turn, Matrix):
+        return tuple(x for row in _rows(turn) for x in row)
+    return turn.name, turn.vector_type

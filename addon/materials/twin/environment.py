@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A random direction into the environment as nodes, the same formulas as ``shaders/importance.osl``."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+
+from ....precompute.table import importance
+from ..node_graph import Graph, Socket, Value
+from .surface import Parts, Surface
+
+_FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
+
+#: Share of the second density for the raw model, which has 1 / cos_i in its weights, and the part of cos_r below which
+#: it draws; as in ``shaders/diffraction.osl``.
+FLAT_SHARE, FLAT_BELOW = 0.1, 0.3
+
+
+def random_numbers(graph: Graph) -> Socket:
+    """A vector of three numbers in [0, 1): a hash of the place on the object, which differs from sample to sample."""
+    place = graph.add("ShaderNodeTexCoord").outputs["Object"]
+    noise = graph.add("ShaderNodeTexWhiteNoise", noise_dimensions="3D")
+    graph.put(noise.inputs["Vector"], place)
+    return noise.outputs["Color"]
+
+
+def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
+    """Group (random numbers) -> direction, half vector of any length, colour and its factor.
+
+    Directions are drawn in proportion to the luminance of f cos, see `precompute.table.importance`; colour times factor
+    is f cos over the density. ``Finished`` is the factor with the light's albedo, ``Special`` is 1 where that counts.
+    """
+    outputs = {"To": _VECTOR, "Half": _VECTOR, "RGB": _VECTOR, "Weight": _FLOAT}
+    outputs |= {"Finished": _FLOAT, "Special": _FLOAT}
+    surface, given, output = Surface.inside("Environment", parts, {"Random": _VECTOR}, outputs)
+    for name, socket in zip(outputs, _draw(surface, image, given["Random"]), strict=True):
+        surface.graph.put(output.inputs[name], socket)
+    return surface.graph.tree
+
+
+def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Value, ...]:
+    graph, cos_r = surface.graph, surface["CosR"]
+    xi_1, xi_2, xi_3 = graph.split(random)
+    wr = [graph.scalar("DOT_PRODUCT", surface[axis], surface["Viewer"]) for axis in "TB"]
+    row, slope = _view(graph, wr, cos_r)
+
+    def texel(column: Socket) -> tuple[Socket, Socket, Socket]:
+        node = graph.add("ShaderNodeTexImage", image=image, interpolation="Closest", extension="EXTEND")
+        graph.put(node.inputs["Vector"], graph.join(column, row, 0.0))
+        return graph.split(node.outputs["Color"])
+
+    width, n_r, n_phi = float(importance.WIDTH), float(importance.N_R), float(importance.N_PHI)
+    place_r, place_phi = graph.product(xi_1, 0.9999999 * n_r), graph.product(xi_2, 0.9999999 * n_phi)
+    k, column = graph.math("FLOOR", place_r), graph.math("FLOOR", place_phi)
+    e_0, e_1, ring = texel(graph.fused(k, 1.0 / width, 0.5 / width))
+    start = graph.fused(column, 1.0 / width, (n_r + 0.5) / width)
+    t_0, t_1, t_m = texel(graph.fused(ring, n_phi / width, start))
+    de, dt = graph.difference(e_1, e_0), graph.difference(t_1, t_0)
+    s = graph.math("SQRT", graph.fused(graph.difference(place_r, k), de, e_0))
+    part = graph.difference(place_phi, column)
+    c = graph.quotient(graph.difference(t_1, t_m), graph.difference(t_m, t_0))
+    bend = graph.fused(graph.difference(1.0, part), c, part)
+    # From the negative u axis, as `lookup.transform` counts: (-u, -v) = r (cos, sin).
+    turn = graph.fused(graph.fused(dt, graph.quotient(part, bend), t_0), 2.0 * math.pi, -math.pi)
+    cos_phi, sin_phi = graph.math("COSINE", turn), graph.math("SINE", turn)
+    area = graph.quotient(graph.product(de, dt, c), graph.product(bend, bend))
+
+    b = graph.fused(wr[0], cos_phi, graph.product(wr[1], sin_phi))  # the negative of the one in importance.osl
+    cos2 = graph.product(cos_r, cos_r)
+    root = graph.math("SQRT", graph.fused(b, b, cos2))
+    reach, far = graph.sum(root, b), graph.difference(root, b)
+    a = graph.math("MINIMUM", slope, reach)
+    t, as3 = graph.difference(1.0, s), graph.product(a, s, 3.0)
+    a3 = graph.product(a, 3.0)
+    rs = graph.product(reach, s)
+    per_s = graph.fused(graph.product(a3, t), t, graph.product(rs, graph.fused(s, -2.0, 3.0)))
+    r = graph.product(s, per_s)
+    left = graph.difference(graph.fused(rs, 2.0, reach), as3)
+    rest = graph.math("SQRT", graph.math("MAXIMUM", graph.product(left, graph.sum(r, far)), 1e-20))
+    per_area = graph.product(per_s, graph.sum(graph.difference(a, as3), graph.product(rs, 2.0)))
+    constant = 1.5 * importance.N_R * 2.0 * math.pi * importance.N_PHI
+    weight = graph.quotient(graph.product(area, per_area, constant), rest)
+    cos_i = graph.product(t, rest)
+
+    x, y = graph.product(r, cos_phi), graph.product(r, sin_phi)
+    if not surface.parts.conserve:
+        flat = _flat(graph, cos_r, xi_1, xi_2, wr)
+        return _either(surface, flat, (x, y, cos_i), weight, xi_3)
+    return _drawn(surface, x, y, cos_i, graph.product(r, r), turn, weight)
+
+
+def _view(graph: Graph, wr: list[Socket], cos_r: Socket) -> tuple[Socket, Socket]:
+    """Row of the image as a part of its height, and a third of dr / ds at the specular peak."""
+    most, step = float(importance.AZIMUTHS_MAX), float(importance.AZIMUTHS_STEP)
+    full = most / step
+    sin_r = graph.math("SQRT", graph.math("MAXIMUM", graph.fused(graph.product(cos_r, -1.0), cos_r, 1.0), 0.0))
+    tangent = graph.quotient(graph.sum(sin_r, 1.0), graph.math("MAXIMUM", cos_r, 1e-4))
+    i = graph.math("LOGARITHM", tangent, math.exp(importance.VIEW_END / importance.N_VIEWS))
+    i = graph.math("MINIMUM", graph.math("FLOOR", graph.sum(i, 0.5)), importance.N_VIEWS - 1.0)
+    below = graph.math("MINIMUM", i, full)
+    count = graph.math("MAXIMUM", graph.product(below, step), 1.0)
+    # 1 + step (1 + 2 + ... (below - 1)) + most (i - below) for i > 0
+    first = graph.fused(below, graph.fused(below, 0.5 * step, -0.5 * step), graph.math("MINIMUM", i, 1.0))
+    first = graph.fused(graph.difference(i, below), most, first)
+    turn = graph.product(graph.math("ARCTAN2", wr[1], wr[0]), 0.5 / math.pi)
+    j = graph.math("FLOORED_MODULO", graph.math("FLOOR", graph.fused(turn, count, 0.5)), count)
+    row = graph.fused(graph.sum(first, j), 1.0 / importance.HEIGHT, 0.5 / importance.HEIGHT)
+    wide = 2.0 * importance.VIEW_END / importance.N_VIEWS
+    end = graph.math("POWER", math.exp(wide), graph.sum(i, 0.5))
+    return row, graph.math("MINIMUM", graph.quotient(2.0, graph.sum(end, 1.0)), 2.0 / 3.0)
+
+
+def _drawn(
+    surface: Surface, x: Socket, y: Socket, cos_i: Socket, square: Socket, turn: Socket, weight: Socket
+) -> tuple[Value, ...]:
+    """All outputs from the components of h = wi + wr along t and b, cos(theta_i) and the weight without f cos."""
+    graph = surface.graph
+    w = graph.sum(cos_i, surface["CosR"])
+    h = graph.vector("MULTIPLY_ADD", surface["T"], x, graph.scaled(surface["N"], w))
+    h = graph.vector("MULTIPLY_ADD", surface["B"], y, h)
+    to = graph.vector("SUBTRACT", h, surface["Viewer"])
+    w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
+    return to, h, surface.value(square, turn, w), weight, *surface.with_albedo(weight, x, y, cos_i)
+
+
+def _flat(graph: Graph, cos_r: Socket, xi_1: Socket, xi_2: Socket, wr: list[Socket]) -> tuple[Socket, Socket, Socket]:
+    """x and y of h and cos_i of a direction near the horizon, even in solid angle, for the raw model."""
+    z = graph.product(xi_1, cos_r, FLAT_BELOW)
+    s = graph.math("SQRT", graph.difference(1.0, graph.product(z, z)))
+    phi = graph.product(xi_2, 2.0 * math.pi)
+    x, y = (graph.fused(s, graph.math(name, phi), each) for name, each in zip(("COSINE", "SINE"), wr, strict=True))
+    return x, y, z
+
+
+def _either(surface: Surface, flat: tuple, local: tuple, weight: Socket, xi_3: Socket) -> tuple[Value, ...]:
+    """The drawn direction, or one in ten near the horizon, where the first density then draws none."""
+    graph, cos_r = surface.graph, surface["CosR"]
+    is_flat = graph.math("LESS_THAN", xi_3, FLAT_SHARE)
+    x, y, cos_i = (graph.fused(is_flat, graph.difference(f, m), m) for f, m in zip(flat, local, strict=True))
+    limit = graph.product(cos_r, FLAT_BELOW)
+    steep = graph.math("GREATER_THAN", local[2], limit)
+    steep_weight = graph.product(weight, steep, 1.0 / (1.0 - FLAT_SHARE))
+    flat_weight = graph.product(limit, 2.0 * math.pi / FLAT_SHARE)
+    chosen = graph.fused(is_flat, graph.difference(flat_weight, steep_weight), steep_weight)
+    square = graph.fused(x, x, graph.product(y, y))
+    return _drawn(surface, x, y, cos_i, square, graph.math("ARCTAN2", y, x), chosen)

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table's lookups as node groups, the same formulas as ``shaders/table.osl``, written for few nodes.
+
+A node costs Cycles a few nanoseconds a sample, a constant nearly as much as an operation, a vector put together or
+taken apart three. So logarithms have a base that brings the factor with them, coordinates are fractions of the atlas
+from the start, and angles are counted from the negative u axis, where the arc tangent begins.
+"""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+
+from ....precompute.table.layout import TableLayout
+from ..node_graph import Graph, Socket, interface, new_group
+
+_FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
+
+
+def texels(image: bpy.types.Image, layout: TableLayout) -> bpy.types.NodeTree:
+    """Group (place as fractions of the atlas, 1 in EEVEE) -> texel, bilinear.
+
+    Cycles takes a linear Image Texture. EEVEE would take smaller copies of the atlas where the picture is coarse, and
+    mix tiles that have nothing to do with each other: there four closest texels are blended here. Cycles drops that
+    branch, whose factor it knows to be 0.
+    """
+    tree = new_group(f"Diffraction texels {image.name}")
+    interface(tree, {"Place": (_VECTOR, None), "EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR})
+    graph = Graph(tree)
+    given = graph.add("NodeGroupInput").outputs
+
+    def fetch(interpolation: str, place: Socket) -> Socket:
+        # Past the right edge the next tile begins at the left: see `transform`.
+        node = graph.add("ShaderNodeTexImage", image=image, interpolation=interpolation, extension="REPEAT")
+        graph.put(node.inputs["Vector"], place)
+        return node.outputs["Color"]
+
+    size = (float(layout.width), float(layout.height), 1.0)
+    at = graph.vector("MULTIPLY_ADD", given["Place"], size, (-0.5, -0.5, 0.0))
+    corner = graph.vector("FLOOR", at)
+    part = graph.split(graph.vector("SUBTRACT", at, corner))
+    rows = []
+    for up in (0.5, 1.5):
+        pair = [
+            fetch("Closest", graph.vector("DIVIDE", graph.vector("ADD", corner, (right, up, 0.0)), size))
+            for right in (0.5, 1.5)
+        ]
+        rows.append(graph.mix(part[0], *pair))
+    blended = graph.mix(part[1], *rows)
+    value = graph.mix(given["EEVEE"], fetch("Linear", given["Place"]), blended)
+    graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
+    return tree
+
+
+def _log_arsinh(graph: Graph, x: Socket, x2: Socket, scale: float, per_unit: float) -> tuple[Socket, float]:
+    """per_unit arsinh(x / scale) as a socket and a number to add, from x and its square."""
+    root = graph.math("SQRT", graph.sum(x2, scale * scale))
+    return graph.math("LOGARITHM", graph.sum(x, root), math.exp(1.0 / per_unit)), -per_unit * math.log(scale)
+
+
+def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """Group (|(u, v)|^2, angle of (-u, -v), |w|, 1 in EEVEE) -> XYZ of T / scale / |w|^power.
+
+    The angle lies between -pi and pi. What is left out is left to the caller, see `gain`.
+    """
+    tree = new_group(f"Diffraction table {name}")
+    sockets = {each: (_FLOAT, None) for each in ("Square", "Turn", "W")} | {"EEVEE": (_FLOAT, 0.0)}
+    interface(tree, sockets, {"Value": _VECTOR})
+    graph = Graph(tree)
+    given = graph.add("NodeGroupInput").outputs
+    square, turn, w = given["Square"], given["Turn"], given["W"]
+    width, height = float(layout.width), float(layout.height)
+
+    column, offset = _log_arsinh(graph, graph.math("SQRT", square), square, layout.r0, layout.a_r)
+    x = graph.fused(column, 1.0 / width, (0.5 + offset) / width)
+    # phi = angle + pi in (0, 2 pi]; the row after the last one repeats the first.
+    y = graph.fused(turn, layout.n_phi / (2.0 * math.pi * height), (1.5 + 0.5 * layout.n_phi) / height)
+    position, offset = _log_arsinh(graph, w, graph.product(w, w), layout.w0, layout.a_w)
+    position = graph.math("MAXIMUM", graph.sum(position, offset - layout.a_w * layout.s_w), 0.0)
+    lower = graph.math("MINIMUM", graph.math("FLOOR", position), layout.n_w - 2.0)
+    columns, step = float(layout.tile_columns), layout.tile_height / height
+    if layout.width == layout.tile_columns * layout.n_r:  # tiles fill the atlas: its repetition wraps the columns
+        x = graph.fused(lower, layout.n_r / width, x)
+        across = [x, graph.sum(x, layout.n_r / width)]
+    else:
+        across = [
+            graph.fused(graph.math("MODULO", graph.sum(lower, each), columns), layout.n_r / width, x)
+            for each in (0.0, 1.0)
+        ]
+    values = []
+    for each, place_x in zip((0.5, 1.5), across, strict=True):
+        tile_row = graph.math("FLOOR", graph.fused(lower, 1.0 / columns, each / columns))
+        place = graph.join(place_x, graph.fused(tile_row, step, y), 0.0)
+        values.append(graph.group(found, Place=place, EEVEE=given["EEVEE"]).outputs["Value"])
+    value = graph.mix(graph.difference(position, lower), *values)
+    graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
+    return tree
+
+
+def gain(graph: Graph, layout: TableLayout, w: Socket) -> Socket | None:
+    """|w|^power / |w|, None where that is 1; `TableLayout.scale` is left to the caller."""
+    return None if layout.power == 1.0 else graph.math("POWER", w, layout.power - 1.0)
+
+
+def albedo(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """Group (cos theta, components against t and b, 1 in EEVEE) -> directional albedo of the raw model with R = 1."""
+    tree = new_group(f"Diffraction albedo {name}")
+    sockets = {each: (_FLOAT, None) for each in ("Cosine", "AgainstT", "AgainstB")} | {"EEVEE": (_FLOAT, 0.0)}
+    interface(tree, sockets, {"Albedo": _FLOAT})
+    graph = Graph(tree)
+    given = graph.add("NodeGroupInput").outputs
+    width, height = float(layout.width), float(layout.height)
+    theta = graph.math("ARCCOSINE", given["Cosine"])
+    column = graph.fused(theta, (layout.n_theta - 1) / (0.5 * math.pi * width), 0.5 / width)
+    row = graph.fused(
+        graph.math("ARCTAN2", given["AgainstB"], given["AgainstT"]),
+        layout.n_albedo_phi / (2.0 * math.pi * height),
+        (layout.conserving_y + 1.5 + 0.5 * layout.n_albedo_phi) / height,
+    )
+    value = graph.group(found, Place=graph.join(column, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"]
+    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.scalar("DOT_PRODUCT", value, (1.0, 0.0, 0.0)))
+    return tree
+
+
+def reflectance(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """Group (cosine of the view, 1 in EEVEE) -> XYZ that the table's stuff keeps from below."""
+    tree = new_group(f"Diffraction reflectance {name}")
+    interface(tree, {"Cosine": (_FLOAT, None), "EEVEE": (_FLOAT, 0.0)}, {"XYZ": _VECTOR})
+    graph = Graph(tree)
+    given = graph.add("NodeGroupInput").outputs
+    theta = graph.math("ARCCOSINE", graph.clamp(given["Cosine"], 0.0, 1.0))
+    column = graph.fused(theta, (layout.n_reflectance - 1) / (0.5 * math.pi * layout.width), 0.5 / layout.width)
+    place = graph.join(column, (layout.reflectance_y + 0.5) / layout.height, 0.0)
+    value = graph.group(found, Place=place, EEVEE=given["EEVEE"]).outputs["Value"]
+    graph.put(graph.add("NodeGroupOutput").inputs["XYZ"], value)
+    return tree

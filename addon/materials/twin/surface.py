@@ -1,0 +1,356 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all directions of light share on a surface: its frame, the viewer, pigment, factors.
+
+Blender is slow with trees of thousands of nodes, so that what repeats is a group of its own: each takes the sockets of
+`shared` that it needs by their names.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+
+from ....precompute.table.layout import TableLayout
+from .. import frame
+from ..node_graph import Graph, Socket, Value, interface, new_group
+from . import value as values
+
+_FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
+
+#: Names of what groups hand on, and the types.
+SHARED = {
+    "T": _VECTOR,
+    "B": _VECTOR,
+    "N": _VECTOR,
+    "Viewer": _VECTOR,
+    "Position": _VECTOR,
+    "CosR": _FLOAT,
+    "Gain": _FLOAT,
+    "IsDiffuse": _FLOAT,
+    "AlbedoR": _FLOAT,
+    "WrX": _FLOAT,
+    "WrY": _FLOAT,
+    "DiffuseLimit": _FLOAT,
+    "Cone": _FLOAT,
+    "Red": _VECTOR,
+    "Green": _VECTOR,
+    "Blue": _VECTOR,
+    "R0": _FLOAT,
+    "ConductorN": _VECTOR,
+    "ConductorK": _VECTOR,
+    "EEVEE": _FLOAT,
+}
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The groups of a table that a surface uses.
+
+    Parameters
+    ----------
+    name
+        Of the table and of what is built in.
+    layout
+        Of the table.
+    value
+        `value.value`.
+    albedo
+        `lookup.albedo`, None where no albedo passes 1 or energy is not conserved.
+    albedo_free
+        Cosine above which no albedo passes 1.
+    fresnel
+        As in `material.Settings`.
+    conserve
+        Whether f is divided by albedos above 1.
+    kept
+        `lookup.reflectance` of a table that holds its stuff, whose R is then not multiplied in once more; else None.
+    """
+
+    name: str
+    layout: TableLayout
+    value: bpy.types.NodeTree
+    albedo: bpy.types.NodeTree | None
+    albedo_free: float
+    fresnel: str
+    conserve: bool
+    kept: bpy.types.NodeTree | None = None
+
+
+def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> dict[str, Socket]:
+    """The sockets of `SHARED`.
+
+    Parameters
+    ----------
+    graph
+        Of the node's group.
+    given
+        Outputs of its Group Input.
+    parts
+        Of the table.
+    rows
+        Of the matrix from XYZ to the working space.
+    """
+    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
+    graph.put(engine.inputs[0], white.outputs[0])
+    geometry = graph.add("ShaderNodeNewGeometry")
+    viewer, normal = geometry.outputs["Incoming"], given["Normal"]
+    has_normal = graph.math("GREATER_THAN", graph.scalar("LENGTH", normal), 0.0)
+    n = graph.vector("NORMALIZE", graph.mix(has_normal, geometry.outputs["Normal"], normal))
+    t, b = _frame(graph, given, n, engine.outputs[0])
+    cos_r = graph.scalar("DOT_PRODUCT", n, viewer)
+    # 0 where the viewer is below the surface: the factor that `value` leaves out.
+    front = graph.product(graph.math("GREATER_THAN", cos_r, 0.0), graph.difference(1.0, geometry.outputs["Backfacing"]))
+    brightness = graph.product(front, given["Brightness"], 0.25 * parts.layout.scale)
+    root = graph.quotient(graph.difference(given["IOR"], 1.0), graph.sum(given["IOR"], 1.0))
+    is_diffuse = graph.add("ShaderNodeLightPath").outputs["Is Diffuse Ray"]
+    wr_x, wr_y = (graph.scalar("DOT_PRODUCT", axis, viewer) for axis in (t, b))
+    albedo_r: Value = 1.0
+    if parts.albedo is not None:
+        against = {"AgainstT": graph.product(wr_x, -1.0), "AgainstB": graph.product(wr_y, -1.0)}
+        found = graph.group(parts.albedo, Cosine=cos_r, EEVEE=engine.outputs[0], **against).outputs["Albedo"]
+        albedo_r = graph.math("MAXIMUM", found, 1.0)
+    return {
+        "T": t, "B": b, "N": n, "Viewer": viewer, "Position": geometry.outputs["Position"], "CosR": cos_r,
+        "Gain": graph.quotient(brightness, graph.product(cos_r, albedo_r)),
+        "IsDiffuse": is_diffuse, "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
+        "DiffuseLimit": given["DiffuseLimit"], "Cone": given["Cone"],
+        **dict(zip(("Red", "Green", "Blue"), rows, strict=True)),
+        "R0": graph.product(root, root), "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
+        # 1 in EEVEE; Cycles does not know Shader to RGB, takes what is linked to it for 0 and drops what follows
+        "EEVEE": engine.outputs[0],
+    }  # fmt: skip
+
+
+def _columns(graph: Graph) -> list[Socket]:
+    """The object's axes in world space, as long as they are scaled."""
+    columns = []
+    for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
+        node = graph.add("ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD")
+        graph.put(node.inputs[0], axis)
+        columns.append(node.outputs[0])
+    return columns
+
+
+def _surface_direction(graph: Graph, columns: list[Socket], given: Socket) -> Socket:
+    """Undo the transform of normals and apply that of directions, see ``shaders/diffraction.osl``.
+
+    With M the object's matrix, a normal's transform is undone by its transpose: the components are the products with
+    M's columns. (Vector Transform itself treats normals as directions.)
+    """
+    parts = [graph.scaled(column, graph.scalar("DOT_PRODUCT", given, column)) for column in columns]
+    return graph.vector("ADD", graph.vector("ADD", parts[0], parts[1]), parts[2])
+
+
+def _frame(graph: Graph, given: Any, n: Socket, in_eevee: Socket) -> tuple[Socket, Socket]:
+    """Tangent and bitangent, mirrored as the UV map is.
+
+    Where no tangent is given it is that of the active UV map. Cycles knows it in the object's space and the map's sign
+    as attributes (a Tangent node turns it like a normal); the sign counts times that of the object's determinant. EEVEE
+    has only the two vectors of a normal map, which cost more.
+    """
+    is_given = graph.math("GREATER_THAN", graph.scalar("LENGTH", given["Tangent"]), 0.0)
+    columns = _columns(graph)
+    read = [graph.add("ShaderNodeAttribute", attribute_name=name) for name in ("tangent", "tangent_sign")]
+    turned = graph.add("ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD")
+    graph.put(turned.inputs[0], read[0].outputs["Vector"])
+    along, sign = turned.outputs[0], read[1].outputs["Fac"]
+    along_uv, across_uv = frame.uv_frame(graph.tree)
+    for socket in (along_uv, across_uv):
+        socket.node.hide = True
+    along = graph.mix(in_eevee, along, _surface_direction(graph, columns, along_uv))
+    as_normal = _surface_direction(graph, columns, given["Tangent"])
+    own = graph.mix(given["TangentIsDirection"], as_normal, given["Tangent"])
+    t = graph.mix(is_given, along, own)
+    # Without a UV map: along the object's x, or z where that stands upright.
+    t = graph.vector("ADD", t, graph.scaled(columns[0], 1e-5))
+    t = graph.vector("ADD", t, graph.scaled(columns[2], 1e-9))
+    t = graph.vector("SUBTRACT", t, graph.scaled(n, graph.scalar("DOT_PRODUCT", t, n)))
+    t = graph.vector("NORMALIZE", t)
+    across = graph.vector("CROSS_PRODUCT", n, t)
+
+    handedness = graph.choose(is_given, sign, given["Handedness"])
+    determinant = graph.scalar("DOT_PRODUCT", graph.vector("CROSS_PRODUCT", *columns[:2]), columns[2])
+    by_sign = graph.product(handedness, determinant)
+    unknown = graph.math("COMPARE", handedness, 0.0, 0.5)
+    of_given = _surface_direction(graph, columns, graph.scaled(given["Bitangent"], is_given))
+    by_vector = graph.product(unknown, graph.scalar("DOT_PRODUCT", across, of_given))
+    of_uv = graph.scalar("DOT_PRODUCT", across, _surface_direction(graph, columns, across_uv))
+    by_uv = graph.product(in_eevee, graph.difference(1.0, is_given), of_uv)
+    mirrored = graph.math("LESS_THAN", graph.sum(graph.sum(by_sign, by_vector), by_uv), 0.0)
+    across = graph.scaled(across, graph.fused(mirrored, -2.0, 1.0))
+    cos, sin = graph.math("COSINE", given["Rotation"]), graph.math("SINE", given["Rotation"])
+    turned_b = graph.vector("SUBTRACT", graph.scaled(across, cos), graph.scaled(t, sin))
+    turned_t = graph.vector("ADD", graph.scaled(t, cos), graph.scaled(across, sin))
+    return turned_t, turned_b
+
+
+class Surface:
+    """Nodes for single directions of light, in the node's group or in one that is handed the shared sockets.
+
+    Parameters
+    ----------
+    graph
+        Of the group.
+    parts
+        Of the table.
+    sockets
+        By the names of `SHARED`.
+    """
+
+    def __init__(self, graph: Graph, parts: Parts, sockets: Any) -> None:
+        self.graph, self.parts, self._sockets = graph, parts, sockets
+
+    def __getitem__(self, name: str) -> Socket:
+        return self._sockets[name]
+
+    @classmethod
+    def inside(
+        cls, name: str, parts: Parts, inputs: dict[str, str], outputs: dict[str, str]
+    ) -> tuple[Surface, Any, bpy.types.Node]:
+        """A new group that is handed the shared sockets and more; its surface, inputs and output node.
+
+        Parameters
+        ----------
+        name
+            What the group does.
+        inputs, outputs
+            Its own sockets: name, type.
+        """
+        tree = new_group(f"Diffraction {name} {parts.name}")
+        interface(tree, {each: (kind, None) for each, kind in (SHARED | inputs).items()}, outputs)
+        graph = Graph(tree)
+        given = graph.add("NodeGroupInput").outputs
+        return cls(graph, parts, given), given, graph.add("NodeGroupOutput")
+
+    def group(self, tree: bpy.types.NodeTree, **values: Value) -> bpy.types.Node:
+        """An instance of a group, with the shared sockets that it knows."""
+        names = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
+        return self.graph.group(tree, **{each: self[each] for each in SHARED if each in names}, **values)
+
+    def value(self, square: Socket, turn: Socket, w: Socket) -> Socket:
+        """`value.value` for a direction."""
+        return self.group(self.parts.value, Square=square, Turn=turn, W=w).outputs["Value"]
+
+    def f_cos(self, h: Socket) -> tuple[Socket, Socket, Socket, Socket]:
+        """f cos for the sum h of the directions to light and viewer: RGB, its factor, that with the light's albedo.
+
+        The last socket is 1 where the light's albedo may pass 1: elsewhere the two factors are the same. Both are 0
+        where the light is below the surface.
+        """
+        graph = self.graph
+        x, y, w = (graph.scalar("DOT_PRODUCT", self[axis], h) for axis in "TBN")
+        gain = graph.product(graph.math("GREATER_THAN", w, self["CosR"]), self["Gain"])
+        cos_i = graph.difference(w, self["CosR"])
+        w, gain = self.behind_face(w, cos_i, gain)
+        rgb = self.value(graph.fused(x, x, graph.product(y, y)), graph.math("ARCTAN2", y, x), w)
+        return rgb, gain, *self.with_albedo(gain, x, y, cos_i)
+
+    def with_albedo(self, gain: Socket, x: Socket, y: Socket, cos_i: Socket) -> tuple[Socket, Value]:
+        """A factor with the light's albedo, which counts where it passes 1 and the viewer's, and whether it may.
+
+        Parameters
+        ----------
+        gain
+            With the viewer's albedo only.
+        x, y
+            Components of h along t and b.
+        cos_i
+            Cosine of the light's angle.
+        """
+        graph = self.graph
+        if self.parts.albedo is None:
+            return gain, 0.0
+        against = {"AgainstT": graph.difference(self["WrX"], x), "AgainstB": graph.difference(self["WrY"], y)}
+        found = self.group(self.parts.albedo, Cosine=cos_i, **against).outputs["Albedo"]
+        lost = graph.quotient(self["AlbedoR"], graph.math("MAXIMUM", found, self["AlbedoR"]))
+        return graph.product(gain, lost), graph.math("LESS_THAN", cos_i, self.parts.albedo_free)
+
+    def behind_face(self, w: Socket, cos_i: Socket, gain: Socket) -> tuple[Socket, Socket]:
+        """|w| and the factor of a direction under a clear layer of index n, see ``shaders/brdf.osl``; as given without.
+
+        With refracted cosines c', ``w' = n (c_i' + c_r')``, ``f cos_i = t_i t_r R (1 + wi'.wr')^2 cos_i / (c_i' c_r'
+        (w'/n)^2) T`` and ``1 + wi'.wr' = (u^2 + v^2 + w'^2) / (2 n^2)``: `value.value` at w' times the factor
+        ``t_i t_r cos_i cos_r / (c_i' c_r' n^2)``.
+        """
+        index = self.parts.layout.index
+        if index == 1.0:
+            return w, gain
+        graph, cos_r = self.graph, self["CosR"]
+        inner_i, inner_r = self._refracted(cos_i), self._refracted(cos_r)
+        through = graph.product(*(graph.difference(1.0, self.outer_face(cosine)) for cosine in (cos_i, cos_r)))
+        factor = graph.quotient(graph.product(through, cos_i, cos_r), graph.product(inner_i, inner_r, index**2))
+        return graph.product(graph.sum(inner_i, inner_r), index), graph.product(gain, factor)
+
+    def _refracted(self, cosine: Socket) -> Socket:
+        """Cosine of a direction behind the outer face."""
+        graph, n2 = self.graph, self.parts.layout.index**2
+        return graph.math("SQRT", graph.product(graph.fused(cosine, cosine, n2 - 1.0), 1.0 / n2))
+
+    def outer_face(self, cosine: Socket) -> Socket:
+        """Exact reflectance of the lacquer's outer face, as ``fresnel_exact`` in ``shaders/brdf.osl``."""
+        graph, n2 = self.graph, self.parts.layout.index**2
+        c = graph.clamp(cosine, 1e-6, 1.0)
+        inside = graph.math("SQRT", graph.fused(c, c, n2 - 1.0))
+        s = graph.quotient(graph.difference(c, inside), graph.sum(c, inside))
+        dense = graph.product(c, n2)
+        p = graph.quotient(graph.difference(dense, inside), graph.sum(dense, inside))
+        return graph.product(graph.fused(s, s, graph.product(p, p)), 0.5)
+
+    def limited(self, gain: Socket, rgb: Socket) -> Socket:
+        """The factor of a colour whose peaks diffuse rays shall not see."""
+        graph = self.graph
+        red, green, blue = graph.split(rgb)
+        peak = graph.product(graph.math("MAXIMUM", red, graph.math("MAXIMUM", green, blue)), gain)
+        limit = self["DiffuseLimit"]
+        return graph.product(gain, graph.quotient(limit, graph.math("MAXIMUM", peak, limit)))
+
+    def base(self, pigment: Socket, roughness: Socket) -> Socket:
+        """The pigment, weighted by 1 - R at the view angle, and the mirror of a lacquer's outer face."""
+        graph, fresnel = self.graph, self.parts.fresnel
+        reflectance: Value = 1.0
+        if fresnel == "DIELECTRIC":
+            reflectance = values.dielectric(
+                graph, self["R0"], graph.clamp(graph.difference(1.0, self["CosR"]), 0.0, 1.0)
+            )
+        elif fresnel == "CONDUCTOR":
+            each = values.conductor(graph, self["ConductorN"], self["ConductorK"], self["CosR"])
+            reflectance = graph.product(graph.scalar("DOT_PRODUCT", each, (1.0, 1.0, 1.0)), 1.0 / 3.0)
+        if self.parts.kept is not None:
+            xyz = self.group(self.parts.kept, Cosine=self["CosR"]).outputs["XYZ"]
+            rgb = [
+                graph.clamp(graph.scalar("DOT_PRODUCT", self[row], xyz), 0.0, 1.0) for row in ("Red", "Green", "Blue")
+            ]
+            reflectance = graph.product(graph.sum(graph.sum(rgb[0], rgb[1]), rgb[2]), 1.0 / 3.0)
+        below = self.mixed(reflectance, pigment, None)
+        if self.parts.layout.index == 1.0:
+            return below
+        mirror = graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
+        face = graph.product(self.outer_face(self["CosR"]), graph.math("GREATER_THAN", self["CosR"], 0.0))
+        graph.put(mirror.inputs["Color"], graph.join(face, face, face))
+        graph.put(mirror.inputs["Roughness"], roughness)
+        graph.put(mirror.inputs["Normal"], self["N"])
+        return self.both(below, mirror.outputs[0])
+
+    def mixed(self, factor: Value, a: Socket | None, b: Socket | None) -> Socket:
+        """Closure a where the factor is 0, b where it is 1; Cycles steps over the nodes of the other one."""
+        node = self.graph.add("ShaderNodeMixShader")
+        node.inputs[0].default_value = 0.0  # what counts in Cycles where only EEVEE knows the factor
+        for socket, value in zip(node.inputs, (factor, a, b), strict=True):
+            if value is not None:
+                self.graph.put(socket, value)
+        return node.outputs[0]
+
+    def both(self, a: Socket, b: Socket) -> Socket:
+        """Two closures added."""
+        node = self.graph.add("ShaderNodeAddShader")
+        self.graph.put(node.inputs[0], a)
+        self.graph.put(node.inputs[1], b)
+        return node.outputs[0]
+
+    def emitted(self, colour: Socket) -> Socket:
+        """A closure that shows a colour."""
+        node = self.graph.add("ShaderNodeEmission")
+        self.graph.put(node.inputs["Color"], colour)
+        return node.outputs[0]

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lights that are no lamps: the sun of a sky, glowing meshes, bright spots of an image of the surroundings."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+
+from tests.support.blender import extension, materials, scenes, tables
+
+
+def set_up(tmp_path, **settings):
+    """A sphere before a camera, with a material of ours and no lamp."""
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    sphere = scenes.add_sphere(segments=96, rings=48)
+    scenes.add_camera((0.0, -0.2, 1.0))
+    materials.diffracting(sphere, tmp_path / "t.exr", fresnel="NONE", **settings)
+    return sphere
+
+
+def world():
+    """A new world of the scene and its nodes."""
+    made = bpy.data.worlds.new("world")
+    bpy.context.scene.world = made
+    return made, extension.give_nodes(made)
+
+
+def sky(elevation, rotation):
+    """A sky with a sun."""
+    made, tree = world()
+    node = tree.nodes.new("ShaderNodeTexSky")
+    if node.bl_rna.properties["sky_type"].enum_items.get("NISHITA") is not None:
+        node.sky_type = "NISHITA"
+    node.sun_elevation, node.sun_rotation, node.sun_size = elevation, rotation, math.radians(0.545)
+    tree.links.new(node.outputs[0], tree.nodes["Background"].inputs[0])
+    return made, node
+
+
+def shot(samples, seed=0):
+    bpy.context.scene.cycles.seed = seed
+    return scenes.render(16, samples=samples, centred=True).mean((0, 1))
+
+
+def test_sun_of_a_sky_is_found_like_a_lamp(blender, tmp_path):
+    """Its disc at 64 samples: with the sky's own light taken away, what a sun lamp of its strength gives."""
+    elevation, rotation = math.radians(40), math.radians(200)
+    sphere = set_up(tmp_path)
+    made, node = sky(elevation, rotation)
+    made.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.01
+    found = np.array([shot(64, seed) for seed in (1, 2, 3)])
+    node.sun_disc = False
+    without = np.array([shot(64, seed) for seed in (1, 2, 3)])
+    by_disc = (found - without).mean(0)
+    # How strong the sun is tells a white diffuse sphere under the same light.
+    white = materials.white_diffuse(sphere)
+    node.sun_disc = True
+    lit = shot(256)
+    node.sun_disc = False
+    lit = lit - shot(256)
+    bpy.context.scene.world = None
+    direction = (
+        math.cos(elevation) * math.sin(rotation),
+        math.cos(elevation) * math.cos(rotation),
+        math.sin(elevation),
+    )
+    lamp = scenes.add_sun(direction, angle=math.radians(0.545))
+    lamp.data.cycles.use_multiple_importance_sampling = True
+    unit = shot(256)
+    colour = lit / unit
+    assert colour.max() > 0.1 and white is not None
+    sphere.data.materials.clear()
+    sphere.data.materials.append(bpy.data.materials["sphere"])
+    controls = np.array([shot(64, seed) for seed in (1, 2, 3)]) * colour
+    assert by_disc == pytest.approx(controls.mean(0), rel=0.05)
+    spread = np.ptp(found.mean(-1)) / found.mean()
+    assert spread < 1.2 * np.ptp(controls.mean(-1)) / controls.mean() + 0.005
+
+
+def test_glowing_ball_lights_like_a_lamp_of_its_size(blender, tmp_path):
+    set_up(tmp_path, environment=0)
+    place, radius, radiance = (0.8, -0.6, 2.6), 0.15, 60.0
+    ball = scenes.add_sphere("bulb", segments=64, rings=32)
+    ball.location, ball.scale = place, (radius,) * 3
+    ball.visible_camera = False
+    glow = bpy.data.materials.new("glow")
+    tree = extension.give_nodes(glow)
+    tree.nodes.clear()
+    emission, output = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeOutputMaterial")
+    emission.inputs["Strength"].default_value = radiance
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    ball.data.materials.append(glow)
+    found = shot(512)
+    bpy.data.objects.remove(ball)
+    light = bpy.data.lights.new("lamp", "POINT")
+    light.energy, light.shadow_soft_size, light.use_soft_falloff = radiance * 4 * math.pi**2 * radius**2, radius, False
+    lamp = bpy.data.objects.new("lamp", light)
+    lamp.location = place
+    bpy.context.scene.collection.objects.link(lamp)
+    control = shot(512)
+    assert control.max() > 0.05
+    assert found == pytest.approx(control, rel=0.05)
+
+
+def hdri(tmp_path, direction, radius, radiance):
+    """An image of the surroundings, dim but for a disc."""
+    import OpenEXR
+
+    height, width = 256, 512
+    rows, columns = np.mgrid[:height, :width]
+    theta = ((rows + 0.5) / height - 0.5) * math.pi
+    phi = (0.5 - (columns + 0.5) / width) * 2 * math.pi
+    vectors = np.stack([np.cos(theta) * np.cos(phi), np.cos(theta) * np.sin(phi), np.sin(theta)], -1)
+    inside = vectors @ (np.array(direction) / np.linalg.norm(direction)) > math.cos(radius)
+    picture = np.where(inside[..., None], radiance, 0.02) * np.ones(3)
+    path = tmp_path / "surroundings.exr"
+    OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION}, {"RGB": picture[::-1].astype(np.float32)}).write(str(path))
+    return bpy.data.images.load(str(path)), int(inside.sum())
+
+
+def test_bright_spot_of_an_image_is_aimed_at(blender, tmp_path):
+    """Found in the image, followed as a Mapping node turns it, and rendered with little noise."""
+    sphere = set_up(tmp_path)
+    direction, radius = np.array((0.5, -0.4, 0.9)), 0.03
+    image, count = hdri(tmp_path, direction, radius, 5000.0)
+    assert count > 10
+    tree = world()[1]
+    node = tree.nodes.new("ShaderNodeTexEnvironment")
+    node.image = image
+    tree.links.new(node.outputs[0], tree.nodes["Background"].inputs[0])
+    bpy.context.view_layer.update()
+    scenes.render(8)
+    listed = bpy.context.scene["diffraction_lamp_01"]
+    assert listed[:3] == pytest.approx(direction / np.linalg.norm(direction), abs=0.005)
+    assert 0.5 * bpy.context.scene["diffraction_lamp_01_u"][3] == pytest.approx(radius, abs=0.012)
+    few = np.array([shot(64, seed) for seed in (1, 2, 3)])
+    many = shot(2048)
+    assert few.mean(0) == pytest.approx(many, rel=0.05)
+    assert np.ptp(few.mean(-1)) < 0.15 * few.mean()
+    assert sphere.active_material is not None
+
+
+def test_image_turned_by_a_mapping_node(blender, tmp_path):
+    """A camera that looks where the list says sees the spot in its middle, whatever the Mapping node does."""
+    from diffraction_shader.addon.materials import handlers
+
+    set_up(tmp_path)
+    image, _ = hdri(tmp_path, (0.5, -0.4, 0.3), 0.03, 5000.0)
+    tree = world()[1]
+    node, mapping = tree.nodes.new("ShaderNodeTexEnvironment"), tree.nodes.new("ShaderNodeMapping")
+    coordinates = tree.nodes.new("ShaderNodeTexCoord")
+    node.image = image
+    for a, b in ((coordinates.outputs["Generated"], mapping.inputs["Vector"]), (mapping.outputs[0], node.inputs[0]),
+                 (node.outputs[0], tree.nodes["Background"].inputs[0])):  # fmt: skip
+        tree.links.new(a, b)
+    for ob in bpy.context.scene.objects:
+        ob.hide_render = ob.type == "MESH"
+    camera = bpy.context.scene.camera
+    camera.data.type, camera.data.angle = "PERSP", math.radians(20)
+    for kind, rotation in (("POINT", (0, 0, 0.7)), ("TEXTURE", (0, 0, -1.1)), ("POINT", (0.2, -0.1, 0.5))):
+        mapping.vector_type = kind
+        mapping.inputs["Rotation"].default_value = rotation
+        bpy.context.view_layer.update()
+        handlers.update_all()
+        bpy.context.view_layer.update()
+        place = Vector(bpy.context.scene["diffraction_lamp_01"][:3])
+        camera.matrix_world = place.to_track_quat("-Z", "Y").to_matrix().to_4x4()
+        picture = scenes.render(32, samples=4).mean(-1)
+        rows, columns = np.nonzero(picture > 0.5 * picture.max())
+        assert picture.max() > 100 * np.median(picture)
+        assert (rows.mean(), columns.mean()) == pytest.approx((15.5, 15.5), abs=1.5)

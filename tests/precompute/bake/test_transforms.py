@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The four rounds of transforms against two-dimensional transforms of the whole padded patch by numpy."""
+
+import numpy as np
+import pytest
+
+from precompute.bake.intensity import PolarIntensity
+from precompute.bake.transforms import Axis
+from precompute.constants import KAPPA_MAX
+from precompute.scan.heightfield import HeightField
+
+
+def plainly(field, polar, kappa):
+    """``(fine_y, fine_x)`` B-spline coefficients of S by full-size transforms in double precision."""
+    x, y = polar.x, polar.y
+    h = field.heights - 0.5 * (field.heights.max() + field.heights.min())
+    p = np.outer(*polar.window_axes) * np.exp(-1j * kappa * h)
+    spectrum = np.fft.ifft2(p, (y.padded, x.padded), norm="forward")
+    rows, cols = (np.fft.fftfreq(axis.band, 1.0 / axis.band).astype(int) % axis.padded for axis in (y, x))
+    lags = np.fft.fft2(np.abs(spectrum[np.ix_(rows, cols)]) ** 2)
+    small = np.zeros((y.fine, x.fine), complex)
+    for i in range(-y.cut, y.cut + 1):
+        for j in range(-x.cut, x.cut + 1):
+            small[i, j] = lags[i, j]
+    small *= np.outer(*polar.lag_axes)
+    return np.fft.fftshift(np.fft.ifft2(small, norm="forward").real)
+
+
+@pytest.mark.parametrize("ensemble", ["average", "single", "periodic"])
+@pytest.mark.parametrize("series", ["nodes", "chebyshev"])
+@pytest.mark.parametrize(
+    ("shape", "dx", "dy", "sigma_s"),
+    [
+        ((72, 50), 48e-9, 60e-9, 0.4e-6),
+        ((40, 64), 95e-9, 90e-9, 0.1e-6),  # a band wider than the padded transform, which is periodic
+    ],
+)
+def test_intensities_are_those_of_plain_transforms(ensemble, series, shape, dx, dy, sigma_s):
+    heights = np.random.default_rng(8).normal(0.0, 20e-9, shape)
+    field = HeightField(heights, dx, dy)
+    polar = PolarIntensity(field, sigma_s, ensemble, series, 1e-5)
+    kappas = np.array([0.1, 0.6, 0.95, 0.3, 0.5]) * KAPPA_MAX  # more than are interleaved at a time
+    found = polar.coefficients(kappas).reshape(polar.y.fine, polar.x.fine, len(kappas))
+    for index, kappa in enumerate(kappas):
+        expected = plainly(field, polar, kappa)
+        error = np.abs(found[..., index] - expected).max() / np.abs(expected).max()
+        assert error < (2e-6 if series == "nodes" else 1e-4)
+
+
+@pytest.mark.parametrize(("padded", "band"), [(220, 120), (72, 180), (308, 720), (100, 100), (512, 540)])
+def test_runs_of_the_band(padded, band):
+    """They name the places that modular arithmetic names."""
+    axis = Axis(10, 1.0, padded, band, 3, 20)
+    found = np.full(band, -1)
+    for place, source in axis.band_runs():
+        assert source.stop <= padded
+        found[place] = np.arange(source.start, source.stop)
+    assert np.array_equal(found, np.fft.fftfreq(band, 1.0 / band).astype(int) % padded)
+
+
+def test_polar_points_lie_along_rays():
+    """S of a wide flat patch is a Gaussian: its values on the polar grid are those of the formula."""
+    sigma_s = 0.5e-6
+    polar = PolarIntensity(HeightField(np.zeros((500, 500)), 60e-9, 60e-9), sigma_s, "average")
+    angles = np.array([0.0, 0.7, 4.0])
+    frequencies = polar.frequencies[:12:2]
+    found = polar.polar(polar.coefficients(np.array([0.5 * KAPPA_MAX])), angles, frequencies)
+    assert found.shape == (3, 6, 1)
+    expected = np.exp(-((2.0 * np.pi * frequencies * sigma_s) ** 2))
+    # The taper takes a little of the Gaussian's wings.
+    assert found[..., 0] / found[:, :1, 0] == pytest.approx(np.tile(expected, (3, 1)), abs=0.02)
