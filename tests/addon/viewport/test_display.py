@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from tests.support.blender import drawing
+from tests.support.blender import drawing, extension, tables
 
 
 def decoded(encoded):
