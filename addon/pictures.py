@@ -90,3 +90,15 @@ def preview_icon(name: str) -> int:
     if image is None:
         return 0
     return image.preview_ensure().icon_id
+
+
+def open_window(context: bpy.types.Context, name: str) -> None:
+    """Show an image in a window of its own, unless an image editor shows it already."""
+    image = bpy.data.images[name]
+    areas = [area for window in context.window_manager.windows for area in window.screen.areas]
+    if bpy.app.background or any(a.type == "IMAGE_EDITOR" and a.spaces.active.image == image for a in areas):
+        return
+    bpy.ops.wm.window_new()
+    area = context.window_manager.windows[-1].screen.areas[0]
+    area.type = "IMAGE_EDITOR"
+    area.spaces.active.image = image

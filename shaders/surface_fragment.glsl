@@ -31,6 +31,15 @@ void main()
     // EEVEE's depth was seen through another point of the pixel: as far towards the viewer as the surface rises there.
     gl_FragDepth = clamp(gl_FragCoord.z - df_frame.ambient.w * fwidth(gl_FragCoord.z), 0.0, 1.0);
 #endif
+#ifdef BOUNDED
+    for (int i = 0; i < 6; i++) {
+        if (dot(df_frame.clip[i], vec4(world_place, 1.0)) <= 0.0)
+            discard;
+    }
+    bool outside = any(lessThan(gl_FragCoord.xy, df_frame.border.xy)) || any(greaterThan(gl_FragCoord.xy, df_frame.border.zw));
+    if (df_frame.border.z > 0.0 && outside)
+        discard;
+#endif
     vec3 to_viewer = df_frame.viewer.w > 0.5 ? normalize(df_frame.viewer.xyz - world_place) : df_frame.viewer.xyz;
     vec3 n = normalize(world_normal);
     float cos_r = dot(n, to_viewer);
@@ -76,9 +85,17 @@ void main()
 #endif
     light += df_frame.ambient.rgb * min(albedo_r, 1.0) * fresnel(cos_r);
 #endif
+#ifdef SKY
+    if (diffracts)
+        light += sky_light(frame, wr, albedo_r);
+#endif
     light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
 #ifdef REPLACE
-    pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + df_frame.ambient.rgb);
+    vec3 around = df_frame.ambient.rgb;
+#ifdef SKYLIT
+    around += sky_radiance(front ? n : -n, PI);
+#endif
+    pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + around);
     light += (vec3(1.0) - kept_from_below(abs(cos_r))) * pigment;
 #endif
     out_colour = vec4(displayed(light), 1.0);

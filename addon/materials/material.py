@@ -167,7 +167,16 @@ def apply(material: bpy.types.Material, table: str | Path, settings: Settings) -
     set_settings(node, settings)
     _hide_what_is_inside(node, table)
     setup.prepare_material(material)
+    _colour_solid_view(material, node)
     return material
+
+
+def _colour_solid_view(material: bpy.types.Material, node: bpy.types.Node) -> None:
+    """Solid view shows the pigment, not Blender's light grey, over which no structural colour is seen; a colour that
+    somebody chose stays."""
+    colour = pigment.colour_of(node.inputs["Base"])
+    if colour is not None and all(abs(c - 0.8) < 1e-6 for c in tuple(material.diffuse_color)[:3]):
+        material.diffuse_color = (*colour, material.diffuse_color[3])
 
 
 def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:

@@ -48,6 +48,23 @@ def alpha_of(shader: bpy.types.NodeSocket) -> Value:
     return _alpha(shader, ())
 
 
+def colour_of(shader: bpy.types.NodeSocket) -> tuple[float, float, float] | None:
+    """Colour of the first shader that has one which no link changes; None where none tells it.
+
+    Parameters
+    ----------
+    shader
+        An input that shaders are linked to.
+    """
+    for node, _ in _closures(shader, ()):
+        for name in ("Base Color", "Color"):
+            socket = node.inputs.get(name)
+            if socket is not None and not socket.is_linked:
+                red, green, blue = tuple(socket.default_value)[:3]
+                return red, green, blue
+    return None
+
+
 def remove_alpha(tree: bpy.types.NodeTree) -> None:
     """Remove the nodes that `alpha_of` made."""
     for node in [node for node in tree.nodes if node.get(OURS) == ALPHA]:

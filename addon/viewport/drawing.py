@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import traceback
 from collections import OrderedDict
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import bpy
@@ -14,13 +14,20 @@ import numpy as np
 
 from ...precompute.errors import DiffractionError
 from ..materials import material
-from . import items, lamps, looks
+from . import items, lamps, looks, surroundings
 from .data import blocks, orientation, sources
 from .data.batches import Meshes
+from .data.directions import Directions
 from .data.display import Display
 from .data.series import SeriesTextures
+from .data.sky import Skies
 from .data.textures import Tables
 from .looks import View
+from .manners import PLAIN, Manners
+from .surroundings import Surroundings
+
+#: Directions in which an image of the surroundings is looked up, by the points that stand for a wide lamp.
+SKY_POINTS = {1: 8, 4: 16, 16: 32}
 
 #: Views of different scenes or layers whose lists are kept.
 _LISTS = 4
@@ -33,7 +40,6 @@ class _Listing:
     version: int
     items: list[items.Item]
     lamps: np.ndarray
-    ambient: tuple[float, float, float]
 
 
 @dataclass(eq=False)
@@ -44,6 +50,8 @@ class Renderer:
     series: SeriesTextures = field(default_factory=SeriesTextures)
     meshes: Meshes = field(default_factory=Meshes)
     display: Display = field(default_factory=Display)
+    skies: Skies = field(default_factory=Skies)
+    directions: Directions = field(default_factory=Directions)
     #: What the user is to know; empty while all is well.
     message: str = ""
     #: Counts changes of the scene.
@@ -72,6 +80,8 @@ class Renderer:
         self.tables.clear()
         self.series.clear()
         self.display.clear()
+        self.skies.clear()
+        self.directions.clear()
         self._changed.clear()
         self.message, self._failed = "", None
         self.version += 1
@@ -86,9 +96,11 @@ class Renderer:
         view: View,
         through_display: bool,
         visible: Callable[[bpy.types.Object], bool],
-        list_key: int = 0,
+        list_key: Hashable = 0,
         skips_nodes: bool = False,
         loose_depth: bool = False,
+        asks: Manners = PLAIN,
+        around: Surroundings | None = None,
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
 
@@ -108,6 +120,10 @@ class Renderer:
             Whether materials made of nodes have shown their diffraction already, as they do in EEVEE.
         loose_depth
             Whether the framebuffer's depth was sampled elsewhere in the pixels, as EEVEE's is.
+        asks
+            What the view asks of whoever draws in it.
+        around
+            What surrounds the scene; None: its world.
         """
         attempt = (self.version, view)
         if self._failed == attempt:
@@ -115,7 +131,9 @@ class Renderer:
         try:
             skips = skips_nodes and view.surface == "ADD"
             listing = self._listing(depsgraph, visible, list_key, skips)
-            count = self._draw(listing, depsgraph, view_matrix, projection, view, through_display, loose_depth)
+            count = self._draw(
+                listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around
+            )
         except DiffractionError as error:
             self._fail(attempt, str(error))
             return 0
@@ -133,18 +151,25 @@ class Renderer:
 
     def _draw(
         self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
-        view: View, through_display: bool, loose_depth: bool,
+        view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
     ) -> int:  # fmt: skip
         import gpu
 
         self.message = ""
         if not listing.items:
             return 0
-        rows = listing.lamps
-        if view.lights == "STUDIO" or not len(rows):
+        around = around if around is not None else surroundings.of_world(depsgraph.scene.original.world)
+        # An operator can wait for what a drawing must not stop for.
+        sky = self.skies.texture(around.sky, wait=not through_display) if around.sky is not None else None
+        rows = listing.lamps if around.lamps else listing.lamps[:0]
+        if view.lights == "STUDIO" or (not len(rows) and around.sky is None and around.lamps):
             rows = lamps.studio_rows(view_matrix)
         exposure = depsgraph.scene.original.view_settings.exposure
-        frame = blocks.Frame(view_matrix, projection, rows, view.points, through_display, exposure, listing.ambient)
+        frame = blocks.Frame(
+            view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
+            clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None,
+        )  # fmt: skip
+        view = replace(view, brightness=view.brightness * asks.see_through)
         shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
         state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
         gpu.state.blend_set("NONE" if view.surface == "REPLACE" else "ADDITIVE")
@@ -157,7 +182,7 @@ class Renderer:
             for item in listing.items:
                 if shader is None or item.material != bound:
                     bound = item.material
-                    shader = self._bind(bound, view, shared, any(listing.ambient))
+                    shader = self._bind(bound, view, shared, any(around.ambient), sky, wait=not through_display)
                     shader.uniform_block("df_frame", rows)
                     if through_display:
                         shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
@@ -175,7 +200,9 @@ class Renderer:
             gpu.state.depth_mask_set(state[2])
         return len(listing.items)
 
-    def _bind(self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool) -> Any:
+    def _bind(
+        self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool, sky: Any, wait: bool
+    ) -> Any:
         """The shader of a material, with all that it reads."""
         import gpu
 
@@ -183,12 +210,24 @@ class Renderer:
         table = self.tables.get(path)
         look = looks.surface(shaded, table.layout, table.info, view)
         flags = shared | look.flags(ambient)
+        directions = None
+        if sky is not None and view.method == "TABLE":
+            if look.environment:
+                directions = self.directions.texture(path, wait)
+            if directions is not None:
+                flags |= {"SKYLIT", f"SKY_{SKY_POINTS[view.points]}"}
+            if view.surface == "REPLACE":
+                flags |= {"SKYLIT"}
         shader = sources.surface(view.method, flags)
         shader.bind()
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
             shader.uniform_sampler("df_albedo", table.albedo)
+        if "SKYLIT" in flags:
+            shader.uniform_sampler("df_sky", sky)
+        if directions is not None:
+            shader.uniform_sampler("df_importance", directions)
         turned = orientation.angle_image(shaded)
         if turned is not None:
             shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
@@ -210,7 +249,7 @@ class Renderer:
         self._uniforms[key] = held
         return held[1]
 
-    def _listing(self, depsgraph: bpy.types.Depsgraph, visible: Any, list_key: int, skips_nodes: bool) -> _Listing:
+    def _listing(self, depsgraph: bpy.types.Depsgraph, visible: Any, list_key: Hashable, skips_nodes: bool) -> _Listing:
         scene = depsgraph.scene.original
         key = (scene.session_uid, depsgraph.view_layer.name, list_key, skips_nodes)
         version = self.version
@@ -221,7 +260,6 @@ class Renderer:
                 version,
                 items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m))),
                 lamps.scene_rows(depsgraph, visible),
-                ambient(scene),
             )
             listing = self._listings[key] = made
             while len(self._listings) > _LISTS:
@@ -245,6 +283,7 @@ class Renderer:
         paths = {looks.table_path(m) for m in shown}
         self.tables.keep(paths)
         self.series.keep(paths)
+        self.directions.keep(paths)
         uids = {m.session_uid for m in shown}
         for key in [k for k in self._uniforms if k[0] == "surface" and k[1] not in uids]:
             del self._uniforms[key]
@@ -252,17 +291,3 @@ class Renderer:
 
 def _is_of_nodes(shaded: bpy.types.Material) -> bool:
     return material.shader_node(shaded) is not None and not material.needs_osl(shaded)
-
-
-def ambient(scene: bpy.types.Scene) -> tuple[float, float, float]:
-    """Radiance of a plain world, black for any other."""
-    world = scene.world
-    if world is None or world.node_tree is None:
-        return (0.0, 0.0, 0.0)
-    output = world.node_tree.get_output_node("ALL")
-    links = output.inputs["Surface"].links if output is not None else ()
-    node = links[0].from_node if links else None
-    if node is None or node.bl_idname != "ShaderNodeBackground" or node.inputs["Color"].links:
-        return (0.0, 0.0, 0.0)
-    strength = node.inputs["Strength"].default_value
-    return tuple(strength * c for c in tuple(node.inputs["Color"].default_value)[:3])

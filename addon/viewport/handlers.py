@@ -3,12 +3,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
 from ..versions import EEVEE
-from . import settings
+from . import manners, settings, surroundings
 from .data import sources
 from .data.display import redraw
 from .kept import renderer
@@ -29,16 +31,24 @@ def draw_view() -> None:
     if shading == "WIREFRAME" or (shading == "RENDERED" and scene.render.engine == "CYCLES"):
         return
     eevee = shading == "MATERIAL" or (shading == "RENDERED" and scene.render.engine == EEVEE)
+    around = surroundings.of_shading(scene, space.shading)
+    asks = manners.of_view(context, space, context.region_data, eevee)
+    view = scene.diffraction_viewport.view()
+    if asks.see_through < 1.0:  # nothing is opaque there
+        view = replace(view, surface="ADD")
     renderer.draw(
         context.evaluated_depsgraph_get(),
         np.array(gpu.matrix.get_model_view_matrix()),
         np.array(gpu.matrix.get_projection_matrix()),
-        scene.diffraction_viewport.view(),
+        view,
         through_display=True,
-        visible=lambda ob: ob.visible_in_viewport_get(space),
-        list_key=space.as_pointer() if space.local_view is not None else 0,
-        skips_nodes=eevee,
+        visible=lambda ob: ob.visible_in_viewport_get(space) and not manners.away(ob, eevee),
+        list_key=(space.as_pointer() if space.local_view is not None else 0, eevee, *manners.modes(context)),
+        # EEVEE shows what its lamps send to them; with Scene Lights off it has none.
+        skips_nodes=eevee and around.lamps,
         loose_depth=eevee,
+        asks=asks,
+        around=around,
     )
 
 

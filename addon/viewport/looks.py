@@ -15,6 +15,7 @@ from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
 from ...precompute.table.layout import TableLayout
 from ..colour_spaces import working_space
 from ..materials import material
+from ..materials import pigment as pigments
 from ..materials.osl import FRESNEL
 from .data import orientation
 from .data.blocks import Surface
@@ -100,13 +101,7 @@ def relative_gain(info: dict, look: Surface) -> float:
 def pigment(node: bpy.types.Node | None) -> tuple[float, float, float]:
     """Colour of the diffuse shader underneath, as far as the nodes tell it without being evaluated."""
     base = node.inputs.get("Base") if node is not None else None
-    below = base.links[0].from_node if base is not None and base.links else None
-    if below is not None:
-        for name in ("Base Color", "Color"):
-            socket = below.inputs.get(name)
-            if socket is not None and not socket.links:
-                return tuple(socket.default_value)[:3]
-    return (0.0, 0.0, 0.0)
+    return (pigments.colour_of(base) if base is not None else None) or (0.0, 0.0, 0.0)
 
 
 class _Sockets:

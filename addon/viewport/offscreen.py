@@ -15,8 +15,10 @@ from mathutils import Matrix
 from ...precompute.errors import OutputError, ParameterError
 from ...precompute.files.atomic import atomic_path
 from ..gpu_context import NoGpu, ensure_gpu
+from . import surroundings
 from .drawing import Renderer
 from .looks import View
+from .manners import Manners, clip_planes
 
 #: File formats by suffix: name and bits a channel.
 FORMATS = {".png": ("PNG", "8"), ".jpg": ("JPEG", "8"), ".jpeg": ("JPEG", "8"), ".exr": ("OPEN_EXR", "32")}
@@ -24,13 +26,22 @@ FORMATS = {".png": ("PNG", "8"), ".jpg": ("JPEG", "8"), ".jpeg": ("JPEG", "8"), 
 
 @contextmanager
 def view_3d() -> Iterator[dict]:
-    """Window, area, region and space of a 3-D view; where no window shows one, the largest area lends itself.
+    """Window, area, region and space of the 3-D view that asks, or of another one.
+
+    Where no window shows one, the largest area lends itself.
 
     Raises
     ------
     NoGpu
         If this Blender has no window, which a file saved with its interface brings.
     """
+    here = bpy.context.area
+    if here is not None and here.type == "VIEW_3D" and bpy.context.window is not None:
+        region = next(r for r in here.regions if r.type == "WINDOW")
+        space = here.spaces.active
+        data = bpy.context.region_data or space.region_3d  # of the quarter that was asked, in quad view
+        yield {"window": bpy.context.window, "area": here, "region": region, "space_data": space, "region_data": data}
+        return
     windows = [w for manager in bpy.data.window_managers for w in manager.windows]
     areas = [(w, a) for w in windows for a in w.screen.areas]
     if not areas:
@@ -47,6 +58,14 @@ def view_3d() -> Iterator[dict]:
     finally:
         if lent is not None:
             area.type = lent
+
+
+def view_size(whole: tuple[int, int]) -> tuple[int, int]:
+    """Width and height of a picture of the 3-D view: its own, or that of a render where it looks through a camera."""
+    with view_3d() as override:
+        if override["region_data"].view_perspective == "CAMERA":
+            return whole
+        return max(1, override["region"].width), max(1, override["region"].height)
 
 
 @contextmanager
@@ -82,7 +101,7 @@ def _look(space: bpy.types.SpaceView3D, shading: str, depth_only: bool = False) 
 def render(
     renderer: Renderer,
     scene: bpy.types.Scene,
-    camera: bpy.types.Object,
+    camera: bpy.types.Object | None,
     size: tuple[int, int],
     shading: str,
     view: View,
@@ -93,6 +112,8 @@ def render(
 
     Parameters
     ----------
+    camera
+        None takes what the 3-D view shows.
     size
         Width and height in pixels.
     shading
@@ -122,10 +143,18 @@ def render(
     with view_3d() as override, bpy.context.temp_override(**override, scene=scene):
         layer = scene.view_layers[0] if scene != bpy.context.scene else bpy.context.view_layer
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        eye = camera.evaluated_get(depsgraph)
-        view_matrix = np.array(eye.matrix_world.normalized().inverted())
-        projection = np.array(camera.calc_matrix_camera(depsgraph, x=width, y=height))
-        space = override["space_data"]
+        space, region_data = override["space_data"], override["region_data"]
+        if camera is None and region_data.view_perspective == "CAMERA":
+            camera = space.camera
+        if camera is not None:
+            eye = camera.evaluated_get(depsgraph)
+            view_matrix = np.array(eye.matrix_world.normalized().inverted())
+            projection = np.array(camera.calc_matrix_camera(depsgraph, x=width, y=height))
+        else:
+            view_matrix, projection = np.array(region_data.view_matrix), np.array(region_data.window_matrix)
+            region = override["region"]
+            projection[0] *= (region.width / max(region.height, 1)) / (width / height)
+        asks = Manners(clip=clip_planes(region_data))
         try:
             target = gpu.types.GPUOffScreen(width, height, format="RGBA32F")
         except Exception as error:
@@ -140,6 +169,7 @@ def render(
         light = np.zeros((height, width, 4), np.float32)
         try:
             with _look(space, shading):
+                around = surroundings.of_shading(scene, space.shading)
                 draw_scene(projection)
                 below = read(target)
             # EEVEE leaves no depth behind, and Workbench one that is not moved within the pixels.
@@ -155,7 +185,9 @@ def render(
                             through_display=False,
                             visible=lambda ob: ob.visible_in_viewport_get(space),
                             list_key=1,
-                            skips_nodes=shading != "SOLID",
+                            asks=asks,
+                            around=around,
+                            skips_nodes=shading != "SOLID" and around.lamps,
                         )  # fmt: skip
                     if renderer.message:
                         raise ParameterError(renderer.message)

@@ -10,8 +10,13 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ...precompute.errors import DiffractionError
+from .. import pictures
 from ..versions import EEVEE
 from . import settings
+from .data.display import save_as_render
+
+#: The image that the button makes.
+IMAGE = "Viewport Picture"
 
 _AS_SCENE = ("SCENE", "As Scene", "As the scene's viewport settings say")
 
@@ -21,7 +26,7 @@ def _items(items: list[tuple]) -> list[tuple]:
 
 
 class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
-    """Write what the scene's camera sees, drawn by the viewport with diffraction, to a picture"""
+    """Draw what the scene's camera or the 3-D view sees, with diffraction, to a picture"""
 
     bl_idname = "diffraction.viewport_render"
     bl_label = "Viewport Picture"
@@ -30,6 +35,14 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
     width: IntProperty(name="Width", description="Pixels; 0 takes the scene's resolution", default=0, min=0, max=16384)
     height: IntProperty(
         name="Height", description="Pixels; 0 takes the scene's resolution", default=0, min=0, max=16384
+    )
+    eye: EnumProperty(
+        name="Seen From",
+        description="Whose view is drawn",
+        items=[
+            ("CAMERA", "Camera", "The scene's camera"),
+            ("VIEW", "View", "The 3-D view; width and height of 0 take the view's"),
+        ],
     )
     shading: EnumProperty(
         name="Shading",
@@ -53,20 +66,28 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
     )
     transparent: BoolProperty(name="Transparent", description="No background", default=False)
 
-    @classmethod
-    def poll(cls, context: bpy.types.Context) -> bool:
-        if context.scene.camera is None:
-            cls.poll_message_set("The scene has no camera")
-            return False
-        return True
+    def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        """A button: what this view shows, as an image that a window shows."""
+        self.eye = "VIEW"
+        self.filepath = ""
+        shading = context.space_data.shading.type
+        self.shading = shading if shading in {"MATERIAL", "RENDERED"} else "SOLID"
+        self.width = self.height = 0
+        return self._draw(context, to_window=True)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        from . import handlers, offscreen
-
         if not self.filepath:
             self.report({"ERROR"}, "There is no file to write to; give filepath=.")
             return {"CANCELLED"}
+        return self._draw(context, to_window=False)
+
+    def _draw(self, context: bpy.types.Context, to_window: bool) -> set[str]:
+        from . import handlers, offscreen
+
         scene = context.scene
+        if scene.camera is None and self.eye == "CAMERA":
+            self.report({"ERROR"}, "The scene has no camera; add one, or draw what the view shows (eye='VIEW').")
+            return {"CANCELLED"}
         view = scene.diffraction_viewport.view()
         chosen = {name: getattr(self, name) for name in ("method", "surface") if getattr(self, name) != "SCENE"}
         if self.quality != "SCENE":
@@ -74,19 +95,24 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
         if self.brightness >= 0.0:
             chosen["brightness"] = self.brightness
         scale = scene.render.resolution_percentage / 100.0
-        size = (
-            self.width or max(1, int(scene.render.resolution_x * scale)),
-            self.height or max(1, int(scene.render.resolution_y * scale)),
-        )
+        whole = max(1, int(scene.render.resolution_x * scale)), max(1, int(scene.render.resolution_y * scale))
+        if self.eye == "VIEW":
+            whole = offscreen.view_size(whole)
+        size = self.width or whole[0], self.height or whole[1]
         path = Path(bpy.path.abspath(self.filepath))
-        camera = scene.camera
-        assert camera is not None  # see `poll`
         try:
             with _engine(scene, self.shading):
                 pixels = offscreen.render(
-                    handlers.renderer, scene, camera, size, self.shading, replace(view, **chosen),
+                    handlers.renderer, scene, scene.camera if self.eye == "CAMERA" else None, size, self.shading,
+                    replace(view, **chosen),
                     background=not self.transparent, samples=self.samples,
                 )  # fmt: skip
+            if to_window:
+                picture = save_as_render(pixels, scene)[..., :3]
+                pictures.show(context, IMAGE, picture)
+                pictures.open_window(context, IMAGE)
+                self.report({"INFO"}, f"Drawn to the image '{IMAGE}'; Image > Save As keeps it")
+                return {"FINISHED"}
             offscreen.save(pixels, scene, path, self.transparent)
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))

@@ -8,6 +8,7 @@ import textwrap
 import bpy
 
 from ..materials import material
+from . import surroundings
 
 
 class DIFFRACTION_PT_viewport(bpy.types.Panel):
@@ -36,9 +37,13 @@ class DIFFRACTION_PT_viewport(bpy.types.Panel):
         active = context.object.active_material if context.object is not None else None
         if material.is_ours(active):
             layout.prop(active.diffraction_viewport, "show")
+        layout.operator("diffraction.viewport_render", text="Render Picture", icon="RENDER_STILL")
         shading = getattr(context.space_data, "shading", None)
         if shading is not None and shading.type == "RENDERED" and context.scene.render.engine == "CYCLES":
             layout.label(text="Cycles shows the material itself", icon="INFO")
+        missing = surroundings.of_shading(context.scene, shading).unknown
+        if missing:
+            layout.label(text=f"Not shown: {missing}", icon="INFO")
         for index, line in enumerate(textwrap.wrap(handlers.renderer.message, 44)):
             layout.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
 

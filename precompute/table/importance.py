@@ -35,6 +35,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import TableError
 from ..files.atomic import atomic_path
 from ..files.exr import write_image
 from .layout import TableLayout
@@ -367,3 +368,26 @@ def read_origin(path: str | os.PathLike[str]) -> tuple[str, float] | None:
             return header["atlasSha256"], float(header["albedoFreeCosine"])
     except Exception:  # whatever is wrong with it, it is made anew
         return None
+
+
+def load_image(path: str | os.PathLike[str]) -> np.ndarray:
+    """``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: what `save_importance` wrote.
+
+    Raises
+    ------
+    TableError
+        If the file is damaged.
+    """
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(os.fspath(path)) as file:
+            channels = file.channels()
+            image = channels["RGB"].pixels if "RGB" in channels else np.stack([channels[c].pixels for c in "RGB"], -1)
+    except Exception as error:
+        raise TableError(
+            f"'{Path(path).name}' cannot be read ({error}); remove it, then apply the material again."
+        ) from error
+    if image.shape != (HEIGHT, WIDTH, 3):
+        raise TableError(f"'{Path(path).name}' is of another size; remove it, then apply the material again.")
+    return np.ascontiguousarray(image[::-1], np.float32)

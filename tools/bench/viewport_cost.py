@@ -113,14 +113,14 @@ def _sphere(segments, rings):
 
 def _material(table_path):
     import bpy
-    from diffraction_shader.addon.materials import lights, material
+    from diffraction_shader.addon.materials import material
     from diffraction_shader.addon.versions import give_nodes
 
     shaded = bpy.data.materials.new("ball")
     give_nodes(shaded)
     shaded.node_tree.nodes.clear()
     bpy.context.view_layer.update()
-    return material.apply(shaded, str(table_path), material.Settings(), lights.lamp_objects(bpy.context.scene))
+    return material.apply(shaded, str(table_path), material.Settings())
 
 
 def _plain_shader():

@@ -43,6 +43,12 @@ class Frame:
         Of the view transform, in stops.
     ambient
         ``(3,)`` radiance of the world, for the pigment.
+    clip
+        At most six planes (a, b, c, d) in world space; what lies behind one of them is not drawn.
+    sky
+        ``(4, 4)`` rows of an image of the surroundings, see `Sky`; None has none.
+    border
+        Left, bottom, right and top in pixels, outside of which nothing is drawn.
     """
 
     view: np.ndarray
@@ -52,10 +58,13 @@ class Frame:
     display: bool = False
     exposure: float = 0.0
     ambient: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    clip: tuple[tuple[float, float, float, float], ...] = ()
+    border: tuple[float, float, float, float] | None = None
+    sky: np.ndarray | None = None
 
     def rows(self) -> np.ndarray:
-        """``(12 + 6 LAMPS_MAX, 4)``."""
-        rows = np.zeros((12 + 6 * LAMPS_MAX, 4), np.float32)
+        """``(23 + 6 LAMPS_MAX, 4)``."""
+        rows = np.zeros((23 + 6 * LAMPS_MAX, 4), np.float32)
         view, projection = np.asarray(self.view, float), np.asarray(self.projection, float)
         rows[0:4], rows[4:8] = view.T, projection.T
         to_world = np.linalg.inv(view)
@@ -69,13 +78,21 @@ class Frame:
         gain = DISPLAY_GAIN * 2.0**self.exposure
         rows[10] = gain, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side
         rows[11] = *self.ambient, DEPTH_SLACK
+        rows[12:18] = 0.0, 0.0, 0.0, 1.0  # hides nothing
+        for row, plane in zip(rows[12:18], self.clip, strict=False):
+            row[:] = plane
+        if self.sky is not None:
+            rows[19:23] = self.sky
+        rows[18] = self.border if self.border is not None else 0.0
         if len(self.lamps):
-            rows[12 : 12 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
+            rows[23 : 23 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
         return rows
 
     def flags(self) -> set[str]:
         """What of ``sources.FLAGS`` these lamps and this display need."""
         flags = {f"LAMPS_{len(self.lamps)}"} | ({"DISPLAY"} if self.display else set())
+        if self.clip or self.border is not None:
+            flags.add("BOUNDED")
         kinds = {name: number for name, number in LAMP_KINDS.items() if number}
         for row in np.reshape(self.lamps, (-1, 6, 4)):
             kind = next(name for name, number in kinds.items() if number == int(row[0, 3]))

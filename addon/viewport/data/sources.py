@@ -6,6 +6,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
+from ....precompute.table import importance
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
 
@@ -13,7 +14,9 @@ from ...shader_files import SHADERS
 _TYPES = """
 struct DiffractionLamp { vec4 place; vec4 half_u; vec4 half_v; vec4 normal; vec4 colour; vec4 extra; };
 struct DiffractionFrame {
-  mat4 view; mat4 projection; vec4 viewer; vec4 counts; vec4 display; vec4 ambient; DiffractionLamp lamps[LAMPS_MAX];
+  mat4 view; mat4 projection; vec4 viewer; vec4 counts; vec4 display; vec4 ambient; vec4 clip[6];
+  vec4 border; vec4 sky[4];
+  DiffractionLamp lamps[LAMPS_MAX];
 };
 struct DiffractionSurface {
   vec4 radial; vec4 slices; vec4 value; vec4 texel; vec4 to_red; vec4 to_green; vec4 to_blue; vec4 fresnel;
@@ -26,6 +29,20 @@ struct DiffractionSeries { vec4 bins; vec4 window; vec4 loops; vec4 spectrum[WAV
 #: Wavelengths of the reference method: 380-780 nm in steps of 5 nm are 81.
 WAVELENGTHS_MAX = 96
 
+#: Numbers of the densities of directions.
+_DENSITIES = {
+    "N_VIEWS": importance.N_VIEWS,
+    "VIEW_END": importance.VIEW_END,
+    "AZIMUTHS_STEP": importance.AZIMUTHS_STEP,
+    "AZIMUTHS_MAX": importance.AZIMUTHS_MAX,
+    "N_R": importance.N_R,
+    "N_PHI": importance.N_PHI,
+}
+
+#: Side of the finest level of an image of the surroundings, and how many levels there are: the last has four texels.
+SKY_SIDE = 512
+SKY_LEVELS = 9
+
 #: Angles of view, even steps from 0 to 90 degrees, at which a surface tells what it keeps from the pigment below.
 KEPT = 19
 
@@ -33,9 +50,10 @@ METHODS = ("TABLE", "FLSS")
 
 #: What a shader can be made to do besides; a variant has the code of those that it needs and no other: software
 #: renderers, and GPUs where neighbours differ, run every branch. LAMPS_0 to LAMPS_16 say how many there are: loops of
-#: known length.
+#: known length. SKY_8 to SKY_32: directions in which an image of the surroundings is looked up.
 FLAGS = (
     "LOOSE_DEPTH",  # the depth buffer's points lie elsewhere in their pixels
+    "BOUNDED",  # by clipping planes or a border
     "DISPLAY",  # colours pass through the view transform
     "REPLACE",  # draws the pigment too
     "TURNED",  # an image of angles
@@ -46,6 +64,7 @@ FLAGS = (
     "INSIDE",  # the table holds the reflectance of its stuff
     "LACQUER",
     "AMBIENT",  # a plain world
+    "SKYLIT",  # an image surrounds the scene
     "SUNS",
     "BALLS",
     "SPOTS",
@@ -63,8 +82,8 @@ def _begin(method: str, flags: frozenset[str]) -> Any:
 
     info = gpu.types.GPUShaderCreateInfo()
     for name in sorted(flags):
-        if name.startswith("LAMPS_"):
-            info.define("LAMPS", name.removeprefix("LAMPS_"))
+        if name.startswith(("LAMPS_", "SKY_")):
+            info.define(*name.split("_"))
         else:
             info.define(name, "1")
     info.define("LAMPS_MAX", str(LAMPS_MAX))
@@ -101,6 +120,12 @@ def surface(method: str, flags: frozenset[str]) -> Any:
         info.sampler(2, "FLOAT_3D", "df_display")
     if "TURNED" in flags:
         info.sampler(4, "FLOAT_2D", "df_angle")
+    if "SKYLIT" in flags:
+        info.sampler(5, "FLOAT_2D", "df_sky")
+        info.define("SKY_SIDE", f"{SKY_SIDE}.0")
+        info.define("SKY_LEVELS", f"{SKY_LEVELS}.0")
+    if any(name.startswith("SKY_") for name in flags):
+        _add_densities(info)
     info.push_constant("MAT4", "df_model")
     for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
         if name != "uv" or "TURNED" in flags:
@@ -113,7 +138,7 @@ def surface(method: str, flags: frozenset[str]) -> Any:
         between.smooth("VEC2", "world_uv")
     info.vertex_out(between)
     info.vertex_source(_text("surface_vertex.glsl"))
-    info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "display.glsl", "surface_fragment.glsl"))
+    info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "sky.glsl", "display.glsl", "surface_fragment.glsl"))
     return gpu.shader.create_from_info(info)
 
 
@@ -138,6 +163,12 @@ def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: st
     info.vertex_source(_text("map_vertex.glsl"))
     info.fragment_source(text or _text(*_BRDF[method], "map_fragment.glsl"))
     return gpu.shader.create_from_info(info)
+
+
+def _add_densities(info: Any) -> None:
+    info.sampler(6, "FLOAT_2D", "df_importance")
+    for name, value in _DENSITIES.items():
+        info.define(f"IMPORTANCE_{name}", f"{float(value)}")
 
 
 def free() -> None:

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
-from tests.support.blender import drawing
+from tests.support.blender import drawing, extension, tables
 
 
 def decoded(encoded):
@@ -88,3 +88,18 @@ def test_state_of_the_gpu_is_left_as_it_was(renderer, sphere):
     before = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
     drawing.alone(renderer)
     assert (gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()) == before
+
+
+def test_solid_view_shows_the_pigment_and_keeps_a_chosen_colour(blender, tmp_path):
+    """Over Blender's light grey no structural colour is seen; a colour that somebody chose is theirs."""
+    from diffraction_shader.addon.materials import material
+
+    tables.make_table(tmp_path / "table.exr", tables.lobes)
+    for chosen, expected in ((None, material.DARK[:3]), ((0.1, 0.5, 0.2, 1.0), (0.1, 0.5, 0.2))):
+        shaded = bpy.data.materials.new("shaded")
+        extension.give_nodes(shaded)
+        shaded.node_tree.nodes.clear()
+        if chosen is not None:
+            shaded.diffuse_color = chosen
+        material.apply(shaded, str(tmp_path / "table.exr"), material.Settings())
+        assert tuple(shaded.diffuse_color)[:3] == pytest.approx(expected, abs=1e-6)

@@ -99,3 +99,28 @@ def test_panel_offers_all_settings(sphere):
     for name in ("diffraction_here", "surface", "lights", "brightness", "normalisation", "quality", "method"):
         assert name in shown
     assert "WindowManager" in shown or "diffraction_here" in shown
+
+
+def test_picture_of_the_view(sphere, tmp_path):
+    """Without a camera; what the view shows, in the shape of the picture and not of the view."""
+    from diffraction_shader.addon.viewport import offscreen
+
+    bpy.context.scene.camera = None
+    with offscreen.view_3d() as override, bpy.context.temp_override(**override):
+        region = override["region_data"]
+        region.view_perspective, region.view_distance = "ORTHO", 6.0
+        region.view_location, region.view_rotation = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+        region.update()
+    path = tmp_path / "a.exr"
+    shown = []
+    for brightness in (0.0, 1.0):
+        bpy.ops.diffraction.viewport_render(
+            filepath=str(path), eye="VIEW", width=80, height=40, brightness=brightness, transparent=True, samples=4
+        )
+        image = bpy.data.images.load(str(path), check_existing=False)
+        shown.append(np.array(image.pixels[:]).reshape(40, 80, 4)[..., :3])
+        bpy.data.images.remove(image)
+    light = (shown[1] - shown[0]).sum(-1)
+    rows, columns = (np.nonzero((light > 1e-4).any(axis))[0] for axis in (1, 0))
+    assert abs(np.ptp(rows) - np.ptp(columns)) <= 4 and np.ptp(rows) > 5  # round
+    assert columns.mean() == pytest.approx(39.5, abs=2)

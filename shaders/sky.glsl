@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Light of an image of the surroundings by filtered importance sampling (Krivanek & Colbert, 2008; GPU Gems 3, chapter 20):
+// SKY directions a pixel from the densities of precompute/table/importance.py, the same for all pixels, each weighted with
+// what the image holds on average over the part of the sphere that the direction stands for. No shadows.
+
+#ifdef SKYLIT
+// The image as levels of a mip map, in the equal-area square of Clarberg (2008), each with a border of one texel that
+// repeats its neighbours on the sphere (addon/viewport/data/sky.py).
+vec3 sky_texels(vec2 square, float level)
+{
+    float side = SKY_SIDE * exp2(-level);
+    vec2 corner = level < 0.5 ? vec2(0.0) : vec2(SKY_SIDE + 2.0, SKY_SIDE - 2.0 * side + 2.0 * (level - 1.0));
+    return textureLod(df_sky, (corner + 1.0 + square * side) * df_frame.sky[3].xy, 0.0).rgb;
+}
+
+// Radiance from a direction in world space, a mean over `solid_angle`.
+vec3 sky_radiance(vec3 direction, float solid_angle)
+{
+    vec3 d = vec3(dot(df_frame.sky[0].xyz, direction), dot(df_frame.sky[1].xyz, direction),
+                  dot(df_frame.sky[2].xyz, direction));
+    float r = sqrt(max(1.0 - abs(d.z), 0.0)), v = r * 4.0 * turns(abs(d.xy)), u = r - v;
+    vec2 square = d.z < 0.0 ? vec2(1.0 - v, 1.0 - u) : vec2(u, v);
+    square = 0.5 + 0.5 * square * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    float level = clamp(0.5 * log2(solid_angle * (SKY_SIDE * SKY_SIDE / (4.0 * PI))), 0.0, SKY_LEVELS - 1.0);
+    float lower = min(floor(level), SKY_LEVELS - 2.0);
+    vec3 strength = vec3(df_frame.sky[0].w, df_frame.sky[1].w, df_frame.sky[2].w);
+    return strength * mix(sky_texels(square, lower), sky_texels(square, lower + 1.0), level - lower);
+}
+
+#endif
+
+#ifdef SKY
+// The row of the densities that belongs to the stored view nearest to wr, and a third of dr / ds at its specular peak.
+float sky_view(vec3 wr, out float slope)
+{
+    float i = floor(log((1.0 + length(wr.xy)) / wr.z) * (IMPORTANCE_N_VIEWS / IMPORTANCE_VIEW_END) + 0.5);
+    i = min(i, IMPORTANCE_N_VIEWS - 1.0);
+    float full = IMPORTANCE_AZIMUTHS_MAX / IMPORTANCE_AZIMUTHS_STEP, below = min(i, full);
+    float count = clamp(IMPORTANCE_AZIMUTHS_STEP * i, 1.0, IMPORTANCE_AZIMUTHS_MAX);
+    float first = i > 0.0 ? 1.0 + 0.5 * IMPORTANCE_AZIMUTHS_STEP * below * (below - 1.0) : 0.0;
+    first += IMPORTANCE_AZIMUTHS_MAX * (i - below);
+    float j = floor(turns(wr.xy) * count + 0.5);
+    slope = min(2.0 / (1.0 + exp((i + 0.5) * (2.0 * IMPORTANCE_VIEW_END / IMPORTANCE_N_VIEWS))), 2.0 / 3.0);
+    return first + (j >= count ? 0.0 : j);
+}
+
+// A direction of light and its solid angle per probability, by which f cos is to be multiplied.
+vec3 sky_direction(vec3 wr, float row, float slope, vec2 xi, out float gain)
+{
+    float place_r = xi.x * IMPORTANCE_N_R, k = floor(place_r);
+    vec3 ring = texelFetch(df_importance, ivec2(k, row), 0).rgb;
+    float place_phi = xi.y * IMPORTANCE_N_PHI, l = floor(place_phi);
+    vec3 turn = texelFetch(df_importance, ivec2(IMPORTANCE_N_R + ring.z * IMPORTANCE_N_PHI + l, row), 0).rgb;
+    float s = sqrt(ring.x + (place_r - k) * (ring.y - ring.x));
+    float x = place_phi - l, c = (turn.y - turn.z) / (turn.z - turn.x), bend = x + c * (1.0 - x);
+    float phi = TWO_PI * (turn.x + (turn.y - turn.x) * x / bend), cos_phi = cos(phi), sin_phi = sin(phi);
+    float area = (IMPORTANCE_N_R * TWO_PI * IMPORTANCE_N_PHI) * (ring.y - ring.x) * (turn.y - turn.x) * c / (bend * bend);
+
+    float b = wr.x * cos_phi + wr.y * sin_phi, root = sqrt(b * b + wr.z * wr.z);
+    float horizon = b > 0.0 ? b + root : wr.z * wr.z / (root - b), reach = wr.z * wr.z / horizon;
+    float a = min(slope, reach), t = 1.0 - s;
+    float per_s = 3.0 * a * t * t + reach * s * (3.0 - 2.0 * s), r = s * per_s;
+    float rest = sqrt(max((reach * (1.0 + 2.0 * s) - 3.0 * a * s) * (r + horizon), 1e-20));
+    gain = area * per_s * 1.5 * (a * (1.0 - 3.0 * s) + 2.0 * reach * s) / rest;
+    return vec3(-r * cos_phi - wr.x, -r * sin_phi - wr.y, t * rest);
+}
+
+// Place `i` of a Fibonacci lattice.
+vec2 sky_places(int i)
+{
+    return vec2((float(i) + 0.5) / float(SKY), fract(0.5 + 0.6180339887 * float(i)));
+}
+
+vec3 sky_light(mat3 frame, vec3 wr, float albedo_r)
+{
+    vec3 light = vec3(0.0);
+    float slope, row = sky_view(wr, slope), gain;
+    for (int i = 0; i < SKY; i++) {
+        vec3 wi = sky_direction(wr, row, slope, sky_places(i), gain);
+        float mirror = max(1.0 + dot(wi, wr), 0.0);
+        vec3 weight = gain * diffraction_f_cos(wi, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
+        if (gain > 0.0 && wi.z > 0.0)
+            light += weight * sky_radiance(frame * wi, gain / float(SKY));
+    }
+    return light / float(SKY);
+}
+#endif
