@@ -192,7 +192,16 @@ def test_only_what_runs_is_in_the_zip(extension_zip):
     with zipfile.ZipFile(extension_zip) as archive:
         names = archive.namelist()
     top = {name.partition("/")[0] for name in names}
-    assert top == {"blender_manifest.toml", "__init__.py", "LICENSE", "addon", "precompute", "shaders", "wheels", "manual"}
+    assert top == {
+        "blender_manifest.toml",
+        "__init__.py",
+        "LICENSE",
+        "addon",
+        "precompute",
+        "shaders",
+        "wheels",
+        "manual",
+    }
     assert not [name for name in names if "__pycache__" in name or name.endswith((".pyc", ".tmp"))]
     sources = {str(path.relative_to(ROOT)) for path in (ROOT / "precompute").rglob("*.py")}
     assert sources <= set(names)
