@@ -69,6 +69,10 @@ def picture(size=16):
 def sockets():
     """Absolute paths that each material's shader reads, and whether they are files."""
     import bpy
+
+    from tests.support.blender import extension
+
+    extension.load()  # to read what stands in the groups; nothing is registered by it
     from diffraction_shader.addon.materials.node import group
 
     found = {}
