@@ -71,6 +71,8 @@ def migrate(material: bpy.types.Material) -> None:
             tree.links.new(link.from_socket, target)
         if hasattr(socket, "default_value") and hasattr(target, "default_value"):
             target.default_value = socket.default_value
+    if settings.implementation == "NODES":
+        node.inputs["Environment"].default_value = 0  # nodes of 0.1.0 saw lamps alone: the picture stays
     for output in ("BSDF",):
         for link in list(old.outputs[output].links):
             tree.links.new(node.outputs[output], link.to_socket)

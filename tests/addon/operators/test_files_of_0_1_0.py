@@ -40,6 +40,8 @@ def test_pictures_are_those_that_were_rendered(project, name):
     def blocks(picture):
         return picture.reshape(size // 4, 4, size // 4, 4, 3).mean((1, 3))
 
-    assert_images_agree(image, truth, 0.05, percentile=95, floor=floor, name=f"v0_1_0_{name}")
-    assert_images_agree(blocks(image), blocks(truth), 0.015, percentile=100, floor=floor, name=f"v0_1_0_{name}_blocks")
-    assert image.mean((0, 1)) == pytest.approx(truth.mean((0, 1)), rel=0.004)
+    # Nodes of 0.1.0 took f at a lamp's middle; now each sample draws a point of it, which is noisier and nearer to OSL.
+    pixel, block = (0.1, 0.1) if name == "nodes" else (0.05, 0.015)
+    assert_images_agree(image, truth, pixel, percentile=95, floor=floor, name=f"v0_1_0_{name}")
+    assert_images_agree(blocks(image), blocks(truth), block, percentile=100, floor=floor, name=f"v0_1_0_{name}_blocks")
+    assert image.mean((0, 1)) == pytest.approx(truth.mean((0, 1)), rel=0.01 if name == "nodes" else 0.004)
