@@ -127,6 +127,7 @@ def clear_of_horizons(size, lamp):
     return hit & ((n * -scenes.camera_rays(size)[1]).sum(-1) > 0.1) & (cos_i > 0.1)
 
 
+@pytest.mark.slow
 def test_eevee_equals_cycles_for_a_sun(blender, tmp_path):
     """Each pixel of a smooth sphere, from the rim to the terminator, dim colours and bright ones."""
     sphere = two_suns(tmp_path, suns=SUNS[:1])
