@@ -201,6 +201,7 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
     image = atlas_image(path)
     directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
     if settings.implementation == "NODES":
+        directions.use_half_precision = False  # EEVEE would keep edges of a density in ten bits
         for each in (image, directions):
             if each.packed_file is None:
                 each.pack()

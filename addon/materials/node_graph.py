@@ -25,10 +25,14 @@ class Graph:
     def __init__(self, tree: bpy.types.NodeTree) -> None:
         self.tree = tree
         self._place = 0
+        self._unit: Socket | None = None
 
     def add(self, kind: str, **properties: object) -> bpy.types.Node:
         """A node of a type, its properties set, collapsed and out of the way of the others."""
         node = self.tree.nodes.new(kind)
+        # EEVEE adds nodes "Math" of its own and looks, for each, for a number that no other "Math" has: among thousands
+        # of ours that takes minutes.
+        node.name = f"{kind.removeprefix('ShaderNode')} {self._place}"
         for name, value in properties.items():
             setattr(node, name, value)
         node.hide = True
@@ -128,6 +132,23 @@ class Graph:
         them; of a Multiply Add it drops nothing.
         """
         return self.sum(self.product(flag, b), self.product(self.difference(1.0, flag), a))
+
+    def for_cycles(self, a: Value) -> Socket:
+        """100 a in Cycles, 0 in EEVEE, which then leaves out all that leads to a.
+
+        EEVEE has no IES textures; Cycles takes the strength times 100 where the texture names no file.
+        """
+        node = self.add("ShaderNodeTexIES", label="Not in EEVEE")
+        self.put(node.inputs["Vector"], self.unit)
+        self.put(node.inputs["Strength"], a)
+        return node.outputs[0]
+
+    @property
+    def unit(self) -> Socket:
+        """A constant vector (0, 0, 1), for sockets that mean something else where nothing is linked."""
+        if self._unit is None:
+            self._unit = self.join(0.0, 0.0, 1.0)
+        return self._unit
 
     def group(self, tree: bpy.types.NodeTree, **values: Value) -> bpy.types.Node:
         """An instance of a node group."""

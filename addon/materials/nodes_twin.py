@@ -21,7 +21,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 3
+VERSION = 4
 
 
 def build(
@@ -49,21 +49,28 @@ def build(
     """
     atlas, directions = images
     assert directions is not None, "a material of the kind Nodes draws directions"
-    texels = lookup.texels(atlas, layout)
-    table = lookup.transform(stem, layout, texels)
-    kept = lookup.reflectance(stem, layout, texels) if layout.holds_reflectance else None
-    fresnel = fresnel if kept is None else "NONE"
-    parts = Parts(
-        name=f"{stem} {fresnel.lower()}{'' if conserve else ' raw'}", layout=layout,
-        value=values.value(stem, layout, table, fresnel),
-        albedo=lookup.albedo(stem, layout, texels) if conserve and albedo_max > 1.0 else None,
-        albedo_free=albedo_free, fresnel=fresnel, conserve=conserve, kept=kept,
-    )  # fmt: skip
-    lobe, for_eevee, draw = lamps.in_cycles(parts), lamps.in_eevee(parts), environment.draw(parts, directions)
+    if layout.holds_reflectance:
+        fresnel = "NONE"  # what the table holds is not multiplied in once more
+    built_in = f"{fresnel.lower()}{'' if conserve else ' raw'}"
+    has_albedo = conserve and albedo_max > 1.0
+
+    def parts(engine: str) -> Parts:
+        name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, layout, engine)
+        return Parts(
+            name=f"{name} {built_in}", layout=layout,
+            value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel),
+            albedo=lookup.albedo(name, layout, texels) if has_albedo else None, albedo_free=albedo_free,
+            kept=lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None,
+            fresnel=fresnel, conserve=conserve,
+        )  # fmt: skip
+
+    both = parts("")
+    lobe, for_eevee = lamps.in_cycles(parts("Cycles")), lamps.in_eevee(parts("EEVEE"))
+    draw = environment.draw(both, directions)
     tree.nodes.clear()
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
-    surface = Surface(graph, parts, shared(graph, given, parts, lamp_nodes.matrix(graph, own)))
+    surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own)))
     random = environment.random_numbers(graph)
     drawn = surface.group(draw, Random=random).outputs
     closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, graph.clamp(given["Environment"], 0.0, 1.0))
@@ -114,6 +121,7 @@ def _mirror(surface: Surface, drawn: Any, weight: Socket) -> Socket:
     """A mirror that looks into the drawn direction."""
     graph = surface.graph
     node = graph.add("ShaderNodeBsdfAnisotropic", distribution="GGX")
+    weight = graph.for_cycles(graph.product(weight, 0.01))
     graph.put(node.inputs["Color"], graph.scaled(drawn["RGB"], weight))
     graph.put(node.inputs["Roughness"], 0.0)
     graph.put(node.inputs["Normal"], drawn["Half"])

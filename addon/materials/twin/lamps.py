@@ -16,11 +16,11 @@ from .surface import Parts, Surface
 
 _FLOAT, _VECTOR, _SHADER = "NodeSocketFloat", "NodeSocketVector", "NodeSocketShader"
 
-#: Radius (radians) up to which a sun or a ball takes its random point by the cheap way, see `_near`.
+#: Radius (radians) up to which a sun takes its random point by the cheap way, see `_near`.
 NARROW = 0.03
 
 #: Slots that EEVEE reads: there each costs whether a lamp is in it or not.
-EEVEE_LAMPS_MAX = 8
+EEVEE_LAMPS_MAX = 4
 
 #: Alpha (roughness squared) of EEVEE's lobe, for small lamps and at most: it is four times as wide as the lamp.
 #: Narrower ones its tables of GGX do not hold, wider ones see more of the other lamps and of the world.
@@ -49,7 +49,7 @@ class Seen:
         To its middle; of a sun the direction as the list has it.
     u, v
         Half extents of an area lamp, else 0.
-    is_on, is_area, is_rectangle
+    is_on, is_sun, is_area, is_rectangle
         Numbers 0 or 1.
     """
 
@@ -60,6 +60,7 @@ class Seen:
     u: Socket
     v: Socket
     is_on: Socket
+    is_sun: Socket
     is_area: Socket
     is_rectangle: Socket
 
@@ -80,21 +81,26 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     inputs = lamp_nodes.OUTPUTS | {
         "Random": _VECTOR, "Jitter": _VECTOR, "Step": _VECTOR, "To": _VECTOR,
     }  # fmt: skip
-    toon = _toon(parts)
     surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER, "Outside": _FLOAT})
     graph, seen = surface.graph, _seen(surface, given)
-    half = graph.vector("ADD", seen.axis, surface["Viewer"])
+    # Kinds and sizes are constants to Cycles, which drops the way that is not taken, see `Graph.choose`.
+    is_wide = graph.math("GREATER_THAN", graph.product(given["Size"], seen.is_sun), 2.0 * NARROW)
+    is_wide = graph.math("MAXIMUM", is_wide, graph.difference(1.0, seen.is_sun))
+    near, (far, spread) = _near(graph, given, seen), _far(graph, given, seen)
+    to = graph.vector("ADD", graph.scaled(near, graph.difference(1.0, is_wide)), graph.scaled(far, is_wide))
+    rgb, _, gain, _ = surface.f_cos(graph.vector("ADD", to, surface["Viewer"]))
+    gain = graph.product(gain, graph.choose(is_wide, 1.0, spread))
+    red, green, blue = graph.split(rgb)
+    gain = surface.limited(gain, red, green, blue)
     s = graph.math("SINE", graph.product(seen.cone, 0.5))
-    sockets = {
-        "Weight": graph.product(s, s, 4.0 * math.pi), "Size": graph.product(seen.cone, 2.0 / math.pi), "Half": half,
-    }  # fmt: skip
-    is_wide = graph.math("MAXIMUM", seen.is_area, graph.math("GREATER_THAN", seen.radius, NARROW))
-    lobes = []
-    for to, more in (_near(graph, given, seen), _far(graph, given, seen)):
-        own = sockets if more is None else sockets | {"Weight": graph.product(sockets["Weight"], more)}
-        lobes.append(surface.group(toon, To=to, **own).outputs["Lobe"])
-    lobe = surface.mixed(seen.is_on, None, surface.mixed(is_wide, *lobes))
-    graph.put(output.inputs["Lobe"], lobe)
+    weight = graph.for_cycles(graph.product(gain, s, s, 4.0 * math.pi * 1e-4))
+    node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
+    colour = graph.join(*(graph.for_cycles(each) for each in (red, green, blue)))
+    graph.put(node.inputs["Color"], graph.scaled(colour, weight))
+    graph.put(node.inputs["Size"], graph.product(seen.cone, 2.0 / math.pi))
+    graph.put(node.inputs["Smooth"], 0.0)
+    graph.put(node.inputs["Normal"], graph.vector("ADD", seen.axis, surface["Viewer"]))  # Cycles normalises it
+    graph.put(output.inputs["Lobe"], surface.mixed(seen.is_on, None, node.outputs[0]))
     cosine = graph.math("COSINE", seen.cone)
     within = graph.math("GREATER_THAN", graph.scalar("DOT_PRODUCT", given["To"], seen.axis), cosine)
     graph.put(output.inputs["Outside"], graph.difference(1.0, graph.product(within, seen.is_on)))
@@ -117,36 +123,15 @@ def _seen(surface: Surface, lamp: Any) -> Seen:
     cone = graph.math("MAXIMUM", surface["Cone"], graph.fused(radius, 1.02, 0.002))
     return Seen(
         axis=graph.vector("NORMALIZE", offset), radius=radius, cone=graph.math("MINIMUM", cone, 0.5 * math.pi),
-        offset=offset, u=u, v=v, is_on=graph.math("GREATER_THAN", kind, 0.5), is_area=is_area,
+        offset=offset, u=u, v=v, is_on=graph.math("GREATER_THAN", kind, 0.5), is_sun=is_sun, is_area=is_area,
         is_rectangle=graph.math("COMPARE", kind, float(slots.KINDS["RECTANGLE"]), 0.25),
     )  # fmt: skip
 
 
-def _toon(parts: Parts) -> bpy.types.NodeTree:
-    """Group of a lobe about ``Half`` of the value that f cos has for the direction ``To``."""
-    inputs = {"To": _VECTOR, "Half": _VECTOR, "Weight": _FLOAT, "Size": _FLOAT}
-    surface, given, output = Surface.inside("Lobe", parts, inputs, {"Lobe": _SHADER})
-    graph = surface.graph
-    rgb, plain, full, has_albedo = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
-
-    def toon(factor: Socket) -> Socket:
-        node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
-        graph.put(node.inputs["Color"], graph.scaled(rgb, graph.product(factor, given["Weight"])))
-        graph.put(node.inputs["Size"], given["Size"])
-        graph.put(node.inputs["Smooth"], 0.0)
-        graph.put(node.inputs["Normal"], given["Half"])  # Cycles normalises it
-        return node.outputs[0]
-
-    lobe = toon(plain) if surface.parts.albedo is None else surface.mixed(has_albedo, toon(plain), toon(full))
-    lobe = surface.mixed(surface["IsDiffuse"], lobe, toon(surface.limited(full, rgb)))
-    graph.put(output.inputs["Lobe"], lobe)
-    return graph.tree
-
-
-def _near(graph: Graph, given: Any, seen: Seen) -> tuple[Socket, None]:
-    """A random direction to a small round lamp: of the same mean square, the same random numbers for all."""
+def _near(graph: Graph, given: Any, seen: Seen) -> Socket:
+    """A random direction to a small sun: of the same mean square, the same random numbers for all."""
     to = graph.vector("MULTIPLY_ADD", given["Jitter"], seen.radius, seen.axis)
-    return graph.vector("NORMALIZE", to), None
+    return graph.vector("NORMALIZE", to)
 
 
 def _far(graph: Graph, given: Any, seen: Seen) -> tuple[Socket, Socket]:

@@ -18,39 +18,55 @@ from ..node_graph import Graph, Socket, interface, new_group
 _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 
 
-def texels(image: bpy.types.Image, layout: TableLayout) -> bpy.types.NodeTree:
+def texels(image: bpy.types.Image, layout: TableLayout, engine: str = "") -> bpy.types.NodeTree:
     """Group (place as fractions of the atlas, 1 in EEVEE) -> texel, bilinear.
 
     Cycles takes a linear Image Texture. EEVEE would take smaller copies of the atlas where the picture is coarse, and
-    mix tiles that have nothing to do with each other: there four closest texels are blended here. Cycles drops that
-    branch, whose factor it knows to be 0.
+    mix tiles that have nothing to do with each other: there four closest texels are blended here.
+
+    Parameters
+    ----------
+    image, layout
+        Of the table.
+    engine
+        ``Cycles`` or ``EEVEE`` where only one of them looks; else the group has both branches, and Cycles drops the
+        other one, whose factor it knows to be 0.
     """
-    tree = new_group(f"Diffraction texels {image.name}")
+    tree = new_group(f"Diffraction texels {image.name} {engine}".rstrip())
     interface(tree, {"Place": (_VECTOR, None), "EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
+    if engine == "Cycles":
+        value = _fetch(graph, image, "Linear", given["Place"])
+    elif engine == "EEVEE":
+        value = _blended(graph, image, layout, given["Place"])
+    else:
+        blended = _blended(graph, image, layout, given["Place"])
+        value = graph.mix(given["EEVEE"], _fetch(graph, image, "Linear", given["Place"]), blended)
+    graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
+    return tree
 
-    def fetch(interpolation: str, place: Socket) -> Socket:
-        # Past the right edge the next tile begins at the left: see `transform`.
-        node = graph.add("ShaderNodeTexImage", image=image, interpolation=interpolation, extension="REPEAT")
-        graph.put(node.inputs["Vector"], place)
-        return node.outputs["Color"]
 
+def _fetch(graph: Graph, image: bpy.types.Image, interpolation: str, place: Socket) -> Socket:
+    # Past the right edge the next tile begins at the left: see `transform`.
+    node = graph.add("ShaderNodeTexImage", image=image, interpolation=interpolation, extension="REPEAT")
+    graph.put(node.inputs["Vector"], place)
+    return node.outputs["Color"]
+
+
+def _blended(graph: Graph, image: bpy.types.Image, layout: TableLayout, place: Socket) -> Socket:
     size = (float(layout.width), float(layout.height), 1.0)
-    at = graph.vector("MULTIPLY_ADD", given["Place"], size, (-0.5, -0.5, 0.0))
+    at = graph.vector("MULTIPLY_ADD", place, size, (-0.5, -0.5, 0.0))
     corner = graph.vector("FLOOR", at)
     part = graph.split(graph.vector("SUBTRACT", at, corner))
     rows = []
     for up in (0.5, 1.5):
         pair = [
-            fetch("Closest", graph.vector("DIVIDE", graph.vector("ADD", corner, (right, up, 0.0)), size))
+            _fetch(graph, image, "Closest", graph.vector("DIVIDE", graph.vector("ADD", corner, (right, up, 0.0)), size))
             for right in (0.5, 1.5)
         ]
         rows.append(graph.mix(part[0], *pair))
-    blended = graph.mix(part[1], *rows)
-    value = graph.mix(given["EEVEE"], fetch("Linear", given["Place"]), blended)
-    graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
-    return tree
+    return graph.mix(part[1], *rows)
 
 
 def _log_arsinh(graph: Graph, x: Socket, x2: Socket, scale: float, per_unit: float) -> tuple[Socket, float]:

@@ -28,11 +28,10 @@ SHARED = {
     "Position": _VECTOR,
     "CosR": _FLOAT,
     "Gain": _FLOAT,
-    "IsDiffuse": _FLOAT,
     "AlbedoR": _FLOAT,
     "WrX": _FLOAT,
     "WrY": _FLOAT,
-    "DiffuseLimit": _FLOAT,
+    "Limit": _FLOAT,
     "Cone": _FLOAT,
     "Red": _VECTOR,
     "Green": _VECTOR,
@@ -114,8 +113,9 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
     return {
         "T": t, "B": b, "N": n, "Viewer": viewer, "Position": geometry.outputs["Position"], "CosR": cos_r,
         "Gain": graph.quotient(brightness, graph.product(cos_r, albedo_r)),
-        "IsDiffuse": is_diffuse, "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
-        "DiffuseLimit": given["DiffuseLimit"], "Cone": given["Cone"],
+        "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
+        # of f cos: none for other rays than diffuse ones
+        "Limit": graph.choose(is_diffuse, 1e20, given["DiffuseLimit"]), "Cone": given["Cone"],
         **dict(zip(("Red", "Green", "Blue"), rows, strict=True)),
         "R0": graph.product(root, root), "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
         # 1 in EEVEE; Cycles does not know Shader to RGB, takes what is linked to it for 0 and drops what follows
@@ -299,13 +299,11 @@ class Surface:
         p = graph.quotient(graph.difference(dense, inside), graph.sum(dense, inside))
         return graph.product(graph.fused(s, s, graph.product(p, p)), 0.5)
 
-    def limited(self, gain: Socket, rgb: Socket) -> Socket:
+    def limited(self, gain: Socket, red: Socket, green: Socket, blue: Socket) -> Socket:
         """The factor of a colour whose peaks diffuse rays shall not see."""
         graph = self.graph
-        red, green, blue = graph.split(rgb)
-        peak = graph.product(graph.math("MAXIMUM", red, graph.math("MAXIMUM", green, blue)), gain)
-        limit = self["DiffuseLimit"]
-        return graph.product(gain, graph.quotient(limit, graph.math("MAXIMUM", peak, limit)))
+        peak = graph.product(graph.math("MAXIMUM", graph.math("MAXIMUM", red, green), blue), gain)
+        return graph.product(gain, graph.quotient(self["Limit"], graph.math("MAXIMUM", peak, self["Limit"])))
 
     def base(self, pigment: Socket, roughness: Socket) -> Socket:
         """The pigment, weighted by 1 - R at the view angle, and the mirror of a lacquer's outer face."""
