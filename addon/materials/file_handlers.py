@@ -9,7 +9,7 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import paths
+from .. import app_handlers, paths
 from . import refresh, travel
 
 
@@ -88,15 +88,9 @@ _HANDLERS = (
 
 def register() -> None:
     """Begin to follow."""
-    for name, handler in _HANDLERS:
-        where = getattr(bpy.app.handlers, name, None)
-        if where is not None and handler not in where:
-            where.append(handler)
+    app_handlers.add(_HANDLERS)
 
 
 def unregister() -> None:
     """Stop."""
-    for name, handler in _HANDLERS:
-        where = getattr(bpy.app.handlers, name, None)
-        if where is not None and handler in where:
-            where.remove(handler)
+    app_handlers.remove(_HANDLERS)

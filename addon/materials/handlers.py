@@ -13,6 +13,7 @@ import bpy
 from bpy.app.handlers import persistent
 from mathutils import Vector
 
+from .. import app_handlers
 from ..lights import gather, instances, light_list
 from . import material, setup
 from .node import group, migrate
@@ -189,16 +190,10 @@ def _go_last() -> None:
 
 def register() -> None:
     """Begin to follow."""
-    for name, handler in _HANDLERS:
-        where = getattr(bpy.app.handlers, name, None)
-        if where is not None and handler not in where:
-            where.append(handler)
+    app_handlers.add(_HANDLERS)
 
 
 def unregister() -> None:
     """Stop."""
-    for name, handler in _HANDLERS:
-        where = getattr(bpy.app.handlers, name, None)
-        if where is not None and handler in where:
-            where.remove(handler)
+    app_handlers.remove(_HANDLERS)
     light_list.forget()

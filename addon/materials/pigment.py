@@ -87,8 +87,13 @@ def _outside(source: Any, stack: tuple[Any, ...]) -> Any:
         if source.node.bl_idname != "NodeGroupInput":
             return None
         group, stack = stack[-1], stack[:-1]
-        source = _source(next((s for s in group.inputs if s.identifier == source.identifier), None))
+        source = _source(_given(group, source))
     return source
+
+
+def _given(group: Any, source: Any) -> Any:
+    """The input of a group's node that an output of its Group Input shows."""
+    return next((s for s in group.inputs if s.identifier == source.identifier), None)
 
 
 def _inside(group: Any, output: Any) -> Any:
@@ -108,9 +113,7 @@ def _closures(shader: Any, stack: tuple[Any, ...]) -> Any:
     if node.bl_idname == "ShaderNodeGroup":
         yield from _closures(_inside(node, source), (*stack, node))
     elif node.bl_idname == "NodeGroupInput" and stack:
-        group = stack[-1]
-        outer = next((s for s in group.inputs if s.identifier == source.identifier), None)
-        yield from _closures(outer, stack[:-1])
+        yield from _closures(_given(stack[-1], source), stack[:-1])
     elif node.bl_idname in ("ShaderNodeMixShader", "ShaderNodeAddShader"):
         for socket in node.inputs:
             if socket.type == "SHADER":
@@ -128,7 +131,7 @@ def _value(socket: Any, stack: tuple[Any, ...]) -> Value:
         return source
     if source.node.bl_idname != "NodeGroupInput":
         return None
-    outer = next((s for s in stack[-1].inputs if s.identifier == source.identifier), None)
+    outer = _given(stack[-1], source)
     return None if outer is None else _value(outer, stack[:-1])
 
 
@@ -145,8 +148,7 @@ def _alpha(shader: Any, stack: tuple[Any, ...]) -> Value:
     if kind == "ShaderNodeGroup":
         return _alpha(_inside(node, source), (*stack, node))
     if kind == "NodeGroupInput" and stack:
-        outer = next((s for s in stack[-1].inputs if s.identifier == source.identifier), None)
-        return _alpha(outer, stack[:-1])
+        return _alpha(_given(stack[-1], source), stack[:-1])
     if kind in ("ShaderNodeMixShader", "ShaderNodeAddShader"):
         first, second = (_alpha(socket, stack) for socket in node.inputs if socket.type == "SHADER")
         if kind == "ShaderNodeAddShader":

@@ -15,20 +15,18 @@ from functools import cached_property
 
 import numpy as np
 
+from ..constants import LEAST_SCALE
 from ..errors import ParameterError
 from ..table.albedo import albedo_map
 from ..table.table import SpectralTable
 from .directions import uvw
 from .surface import geometry_factor
 
-#: A Scale or Depth below this, or that is no number, counts as this.
-LEAST = 0.01
-
 
 def at_least(value: np.ndarray | float) -> np.ndarray:
     """A Scale or Depth as renderers take it: what is negative, zero or no number counts as 0.01."""
     value = np.asarray(value, float)
-    return np.where(value >= LEAST, value, LEAST)  # NaN compares false
+    return np.where(value >= LEAST_SCALE, value, LEAST_SCALE)  # NaN compares false
 
 
 def scaled_transform(

@@ -11,15 +11,13 @@ from typing import Any
 
 import numpy as np
 
+from ..constants import LEAST_SCALE
 from ..errors import OutputError, ParameterError
 from ..files.atomic import atomic_path
 from ..files.exr import write_image
 
 #: Header attribute that carries the recipe.
 _TEXT = "diffractionPaint"
-
-#: A Scale or Depth below this counts as this: zero or negative ones have no meaning.
-LEAST = 0.01
 
 
 @dataclass(eq=False)
@@ -53,7 +51,7 @@ class Paint:
         if not all(np.isfinite(m).all() for m in maps):
             raise ParameterError("A paint holds values that are no numbers; check the recipe's sizes.")
         scale, depth, rotation, mask = maps
-        self.scale, self.depth = np.maximum(scale, LEAST), np.maximum(depth, LEAST)
+        self.scale, self.depth = np.maximum(scale, LEAST_SCALE), np.maximum(depth, LEAST_SCALE)
         turn = np.float32(2.0 * np.pi)
         self.rotation = np.where((turned := np.mod(rotation, turn)) >= turn, np.float32(0), turned)
         self.mask = np.clip(mask, 0.0, 1.0)
@@ -73,7 +71,7 @@ class Paint:
         """Largest scale and depth where there is structure: what a table's headroom must hold."""
         there = self.mask > 0
         if not there.any():
-            return LEAST, LEAST
+            return LEAST_SCALE, LEAST_SCALE
         return float(self.scale[there].max()), float(self.depth[there].max())
 
 

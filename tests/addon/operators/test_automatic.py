@@ -4,7 +4,7 @@
 import bpy
 import pytest
 
-from tests.support.blender import scenes, tables
+from tests.support.blender import scenes
 
 pytestmark = pytest.mark.usefixtures("blender")
 
@@ -12,15 +12,7 @@ pytestmark = pytest.mark.usefixtures("blender")
 @pytest.fixture
 def plane(blender, tmp_path):
     """A selected plane in a saved file whose scene has a table."""
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
-    tables.make_table(tmp_path / "diffraction" / "t.exr", tables.lobes)
-    bpy.context.scene.diffraction.table_path = "//diffraction/t.exr"
-    ob = scenes.add_plane()
-    scenes.add_sun((0.1, 0.2, 1.0))
-    bpy.context.view_layer.update()
-    ob.select_set(True)
-    bpy.context.view_layer.objects.active = ob
-    return ob
+    return scenes.plane_with_table(tmp_path)
 
 
 @pytest.fixture

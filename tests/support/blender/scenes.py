@@ -150,3 +150,18 @@ def sphere_frames(sphere, size):
     b = np.cross(n, t)
     b *= np.sign((b * (north @ matrix[:3, :3].T)).sum(-1, keepdims=True))
     return hit, p @ matrix[:3, :3].T + matrix[:3, 3], t, b, n
+
+
+def plane_with_table(folder):
+    """A selected plane under a sun in a file saved in a folder, whose scene has a table beside it."""
+    from tests.support.blender import tables
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(folder / "scene.blend"))
+    tables.make_table(folder / "diffraction" / "t.exr", tables.lobes)
+    bpy.context.scene.diffraction.table_path = "//diffraction/t.exr"
+    ob = add_plane()
+    add_sun((0.1, 0.2, 1.0))
+    bpy.context.view_layer.update()
+    ob.select_set(True)
+    bpy.context.view_layer.objects.active = ob
+    return ob
