@@ -15,8 +15,8 @@ PARTS = ("table.osl", "brdf.osl", "lamps.osl", "importance.osl", "diffraction.os
 #: Lamps that the shader reads of the scene's list, see ``shaders/diffraction.osl``.
 LAMPS_MAX = slots.SLOTS
 
-#: Values of the socket ``Fresnel``.
-FRESNEL = {"NONE": 0, "DIELECTRIC": 1, "CONDUCTOR": 2}
+#: Values of the socket ``Fresnel``. 1 was the one form of dielectrics in 0.1.0: files keep it.
+FRESNEL = {"NONE": 0, "SCHLICK": 1, "CONDUCTOR": 2, "DIELECTRIC": 3}
 
 #: Values of the sockets ``LampNKind``.
 LAMP_KINDS = slots.KINDS
