@@ -27,9 +27,7 @@ def ball(blender, tmp_path):
 
 def diffracting(ball, implementation, environment=1):
     sphere, path = ball
-    made = materials.diffracting(
-        sphere, path, implementation, pigment=PIGMENT, fresnel="NONE", environment=environment
-    )
+    made = materials.diffracting(sphere, path, implementation, pigment=PIGMENT, fresnel="NONE", environment=environment)
     return made.node_tree.nodes["Diffraction"]
 
 
