@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whatever lets a renderer see another image than the one that was baked ends in the pigment alone, never in fireflies."""
+"""Whatever lets a renderer see another image than the one that was baked ends in the pigment alone."""
 
 import bpy
 import numpy as np
