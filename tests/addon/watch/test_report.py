@@ -84,7 +84,7 @@ def test_a_missing_table_is_said(plane, capsys, tmp_path):
     (tmp_path / "diffraction" / "t.exr").unlink()
     (line,) = said(capsys)
     assert "t.exr is not in" in line
-    with pytest.raises(RuntimeError, match="1 fault: .*t.exr is not in"):
+    with pytest.raises(RuntimeError, match=r"1 fault: .*t\.exr is not in"):
         bpy.ops.diffraction.check_files(strict=True)
     assert bpy.ops.diffraction.check_files() == {"FINISHED"}
 
