@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 
+from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ..lights import slots
 from .node import interface, lamp_nodes
@@ -21,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 5
+VERSION = 6
 
 
 def build(
@@ -52,14 +53,15 @@ def build(
     if layout.holds_reflectance:
         fresnel = "NONE"  # what the table holds is not multiplied in once more
     built_in = f"{fresnel.lower()}{'' if conserve else ' raw'}"
-    has_albedo = conserve and albedo_max > 1.0
+    albedos = (importance.WIDTH, importance.HEIGHT)
 
     def parts(engine: str) -> Parts:
-        name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, layout, engine)
+        name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, (layout.width, layout.height), engine)
         return Parts(
             name=f"{name} {built_in}", layout=layout,
             value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel),
-            albedo=lookup.albedo(name, layout, texels) if has_albedo else None, albedo_free=albedo_free,
+            albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine)) if conserve else None,
+            albedo_free=albedo_free,
             kept=lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None,
             fresnel=fresnel, conserve=conserve,
         )  # fmt: skip
