@@ -112,7 +112,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
     cos_r = graph.scalar("DOT_PRODUCT", n, viewer)
     # 0 where the viewer is below the surface: the factor that `value` leaves out.
     front = graph.product(graph.math("GREATER_THAN", cos_r, 0.0), graph.difference(1.0, geometry.outputs["Backfacing"]))
-    # A painted surface: T' = s^2 T(s u, s v, q w). Unlinked values are constants to Cycles, which drops what 1 makes idle.
+    # A painted surface: T' = s^2 T(s u, s v, q w). What is not linked is constant to Cycles, which drops what 1 leaves.
     # The larger of two, of which one is no number, is the first or the second: devices differ.
     scale, depth = (
         graph.math("MAXIMUM", LEAST_SCALE, graph.math("MAXIMUM", given[name], LEAST_SCALE))

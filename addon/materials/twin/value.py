@@ -20,11 +20,13 @@ def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: st
     times ``s^2 q^power`` of a painted surface.
 
     With h = wi + wr = -(u, v, w) it is ``(1 + wi.wr)^2 / (cos_r w^2) T R``, ``1 + wi.wr = |h|^2 / 2`` and the cosine of
-    the half-angle is ``|h| / 2``. Inputs: |(u, v)|^2, the angle of (-u, -v), |w|; s^2 and q; rows of the matrix to the working
-    space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
+    the half-angle is ``|h| / 2``. Inputs: |(u, v)|^2, the angle of (-u, -v), |w|; s^2 and q; rows of the matrix to the
+    working space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
     """
     tree = new_group(f"Diffraction value {name} {fresnel.lower()}")
-    sockets: dict[str, tuple[str, object]] = {each: (_FLOAT, None) for each in ("Square", "Turn", "W", "Scale2", "Depth")}
+    sockets: dict[str, tuple[str, object]] = {
+        each: (_FLOAT, None) for each in ("Square", "Turn", "W", "Scale2", "Depth")
+    }
     sockets |= {each: (_VECTOR, None) for each in ("Red", "Green", "Blue")}
     sockets |= {each: (_VECTOR if fresnel == "CONDUCTOR" else _FLOAT, None) for each in INDICES[fresnel]}
     interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR})

@@ -107,7 +107,9 @@ def test_painted_pixels_are_each_their_own_surface(blender, foil, implementation
         one = ScaledTable(table, *maps[place])
         f_cos = radiance.f_cos_xyz(one, wi, np.array(view))
         truth[place] = radiance.gamut_step(f_cos[None], xyz_to_rgb_matrix())[0]
-    assert_images_agree(image, truth, 0.01, where=truth.mean(-1) > 1e-3, name=f"painted_{implementation}")
+    good = (truth.mean(-1) > 1e-3) & ~np.eye(12, dtype=bool)  # rays meet the seam of the square's triangles there
+    assert good.sum() > 30
+    assert_images_agree(image, truth, 0.01, where=good, name=f"painted_{implementation}")
 
 
 def furnace(path, implementation, wr, scale, depth, samples, **settings):
