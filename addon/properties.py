@@ -50,10 +50,12 @@ def _items(names: tuple[str, ...]) -> list[tuple[str, str, str]]:
 ENSEMBLE_ITEMS, SERIES_ITEMS, LEVEL_ITEMS, ILLUMINANT_ITEMS = map(_items, (ENSEMBLES, SERIES, LEVELS, ILLUMINANTS))
 ILLUMINANT_ITEMS.append((light_file.FILE, "File", "A measured spectrum from a text file"))
 
+# Files keep numbers, which count up from the first.
 FRESNEL_ITEMS = [
-    ("DIELECTRIC", "Dielectric", "Reflectance by the index of refraction (skin, horn, lacquer)"),
-    ("CONDUCTOR", "Conductor", "Reflectance by n and k (aluminium: discs)"),
+    ("DIELECTRIC", "Dielectric", "Reflectance by the index of refraction (skin, horn, lacquer), exact"),
+    ("CONDUCTOR", "Conductor", "Reflectance by n and k (aluminium: discs), exact"),
     ("NONE", "None", "Reflects everything"),
+    ("SCHLICK", "Schlick", "Schlick's approximation for a dielectric, as the thesis has it and version 0.1.0 had"),
 ]
 
 # Numbers, because files keep those: version 0.1.0 had OSL as 0.

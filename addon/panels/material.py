@@ -32,9 +32,13 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
             note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {why}")
         if implementation == "NODES":
             note(layout, "Lamps by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
-        layout.prop(state, "fresnel")
-        if state.fresnel == "DIELECTRIC":
-            layout.prop(state, "ior")
+        inside = scene_table(context.scene).info.get("stack")
+        if inside:
+            note(layout, f"Reflectance: {inside['text']}, from the table")
+        else:
+            layout.prop(state, "fresnel")
+            if state.fresnel in {"DIELECTRIC", "SCHLICK"}:
+                layout.prop(state, "ior")
         layout.prop(state, "orientation")
         active = context.object.data if context.object is not None and context.object.type == "MESH" else None
         if state.orientation in {"UV", "TEXTURE"} and active is not None:
@@ -109,7 +113,7 @@ def draw_active(layout: bpy.types.UILayout, active: bpy.types.Material) -> None:
     _switches(layout, node)
     for name in material.LIVE_SOCKETS:
         socket = node.inputs.get(name)
-        if socket is not None and not socket.is_linked and not _without_effect(name, node, active):
+        if socket is not None and not (socket.is_linked or socket.hide) and not _without_effect(name, node, active):
             layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
 
 
@@ -117,9 +121,9 @@ def _switches(layout: bpy.types.UILayout, node: Any) -> None:
     """Fresnel and energy, which the node keeps as numbers, as buttons."""
     path = f'object.active_material.node_tree.nodes["{node.name}"].inputs'
     fresnel, energy = (node.inputs.get(name) for name in ("Fresnel", "ConserveEnergy"))
-    if fresnel is not None and not fresnel.is_linked:
+    if fresnel is not None and not (fresnel.is_linked or fresnel.hide):
         row = layout.row(align=True)
-        for value, text in ((1, "Dielectric"), (2, "Conductor"), (0, "All")):
+        for value, text in ((3, "Dielectric"), (2, "Conductor"), (1, "Schlick"), (0, "All")):
             choice = row.operator("wm.context_set_int", text=text, depress=fresnel.default_value == value)
             choice.data_path, choice.value = f'{path}["Fresnel"].default_value', value
     if energy is not None and not energy.is_linked:
@@ -132,7 +136,7 @@ def _without_effect(name: str, node: Any, active: bpy.types.Material) -> bool:
     """Whether a socket does nothing here: nodes have no environment, a conductor no index of refraction."""
     if name == "Environment":
         return not material.needs_osl(active)
-    return name == "IOR" and node.inputs["Fresnel"].default_value != 1
+    return name == "IOR" and node.inputs["Fresnel"].default_value not in (1, 3)
 
 
 class DIFFRACTION_PT_material_tab(bpy.types.Panel):
