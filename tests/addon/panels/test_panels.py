@@ -268,7 +268,7 @@ def test_missing_old_and_damaged_tables(project):
     plane = plane_with_material()
     atlas, sidecar = (project / "diffraction" / f"sinusoid.{suffix}" for suffix in ("exr", "json"))
     everything()
-    assert "sinusoid.exr: 10 MB, 1 material" in words(shown("files"))
+    assert re.search(r"sinusoid.exr: \d+ MB, 1 material", words(shown("files")))
     assert "diffraction.rebake" not in shown("files")
     good = sidecar.read_text()
 
