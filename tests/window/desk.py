@@ -95,7 +95,7 @@ class Desk:
         self.wait()
         return offered
 
-    def render(self, seconds=240.0):
+    def render(self, seconds=900.0):
         """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
         import numpy as np
 

@@ -16,11 +16,11 @@ def library(enabled):
     enabled.watch(5.0)
     enabled.shot("50_library_in_work")
     enabled.wait(3600.0)
-    (folder,) = enabled.look(
-        "[l.path for l in bpy.context.preferences.filepaths.asset_libraries if l.name == 'Diffraction']"
-    )
+    libraries = "bpy.context.preferences.filepaths.asset_libraries"
+    (folder,) = enabled.look(f"[each.path for each in {libraries} if each.name == 'Diffraction']")
+    place = f"{folder}/materials.blend"
     enabled.run(
-        f"with bpy.data.libraries.load({folder + '/materials.blend'!r}, assets_only=True) as (there, here): found = list(there.materials)"
+        f"with bpy.data.libraries.load({place!r}, assets_only=True) as (there, _): found = list(there.materials)"
     )
     assert len(enabled.look("found")) >= 11
     assert enabled.console() == []
