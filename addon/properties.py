@@ -23,7 +23,7 @@ from bpy.props import (
 from ..precompute.errors import DiffractionError
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
 from . import preset_properties
-from .tables import light_file
+from .tables import light_file, stack_preview
 
 _LABELS = {
     "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),
@@ -457,3 +457,4 @@ def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
     preset_properties.drop_pictures()
+    stack_preview.drop()

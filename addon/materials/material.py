@@ -275,6 +275,13 @@ def settings_of(material: bpy.types.Material) -> Settings:
     )
 
 
+def of_file() -> list[bpy.types.Material]:
+    """All materials of ours that are whole, linked ones too."""
+    if not any_ours():
+        return []
+    return [m for m in bpy.data.materials if is_ours(m) and shader_node(m) is not None]
+
+
 def our_materials() -> list[bpy.types.Material]:
     """Materials of ours that can be edited and are whole."""
     return [m for m in bpy.data.materials if m.is_editable and is_ours(m) and shader_node(m) is not None]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where people look for it: the menus File > Import and Object > Diffraction, which the search (F3) reads, files
-dropped onto the 3-D view, the shader editor's Add menu, *Online Manual* on right-click, and `blender -c diffraction`."""
+dropped onto the 3-D view, the shader editor, *Online Manual* on right-click, and `blender -c diffraction`."""
 
 from __future__ import annotations
 

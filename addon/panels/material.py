@@ -10,10 +10,11 @@ import bpy
 
 from .. import paths, renderers
 from ..materials import material, scale, setup, travel
-from ..operators import fit
-from ..operators.files import farm_copies, is_fresh, tables
+from ..operators.files import farm_copies, is_fresh
 from ..tables.table_state import READY, table_state
 from ..versions import EEVEE
+from ..watch.misfits import misfits, why
+from ..watch.places import tables
 from .bake import scene_table
 from .sidebar import Sidebar, Stage, button, file_name, megabytes, note, number, split
 
@@ -29,8 +30,8 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout.prop(state, "implementation")
         implementation = state.implementation
         if implementation == "AUTO":
-            implementation, why = renderers.choose(context.scene, background=False)
-            note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {why}")
+            implementation, reason = renderers.choose(context.scene, background=False)
+            note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {reason}")
         if implementation == "NODES" and context.scene.render.engine == EEVEE:
             note(layout, "EEVEE shows four lamps, by their middle; Cycles shows all light")
         inside = scene_table(context.scene).info.get("stack")
@@ -52,8 +53,8 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout.prop(state, "conserve_energy")
         number(layout, state, "environment", "off")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
-        if fit.misfits(context.scene):
-            note(layout, fit.why(context.scene), "ERROR")
+        if misfits(context.scene):
+            note(layout, why(context.scene), "ERROR")
             layout.operator("diffraction.fit_renderer", icon="MODIFIER")
         for text in _scale(context):
             note(layout, text, "ERROR")

@@ -12,6 +12,7 @@ import bpy
 from .. import notices
 from ..jobs import progress
 from ..materials import refresh
+from ..watch import report
 
 #: At a user interface scale of 1, in pixels: a character of ordinary text, and what margins and an icon take.
 _CHARACTER, _MARGINS = 6.4, 72.0
@@ -119,6 +120,8 @@ class DIFFRACTION_PT_main(Sidebar, bpy.types.Panel):
         if broken:
             more = f", and {len(broken) - 1} more materials" if len(broken) > 1 else ""
             note(layout, f"{broken[0]}{more}. Material > Files bakes or finds it", "ERROR")
+        for text in report.in_panels(context.scene):
+            note(layout, text, "ERROR")
 
 
 CLASSES = (DIFFRACTION_PT_main,)
