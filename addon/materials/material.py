@@ -18,6 +18,7 @@ from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, osl, pigment, setup, travel
 from .node import group, keys
 from .node.group import NODE
+from .scales.wire import wire as wire_scales
 
 #: Sockets that an artist turns while looking.
 LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Environment", "DiffuseLimit", "Cone")
@@ -323,6 +324,7 @@ def _connect(node: Any, settings: Settings) -> None:
         tree.links.new(dark.outputs["BSDF"], node.inputs["Base"])
     _take_over(tree, node)
     _orient(tree, node, settings)
+    wire_scales(tree)
 
 
 def _take_over(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:

@@ -87,7 +87,19 @@ def _object(self: Any, context: bpy.types.Context) -> None:
 def _add_node(self: Any, context: bpy.types.Context) -> None:
     if context.space_data.type == "NODE_EDITOR" and context.space_data.tree_type == "ShaderNodeTree":
         self.layout.separator()
-        self.layout.operator("diffraction.add_node", text="Diffraction", icon="MATERIAL")
+        self.layout.menu("DIFFRACTION_MT_add", icon="MATERIAL")
+
+
+class DIFFRACTION_MT_add(bpy.types.Menu):
+    """Nodes of this extension"""
+
+    bl_idname = "DIFFRACTION_MT_add"
+    bl_label = "Diffraction"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.operator("diffraction.add_node", text="Diffraction")
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        self.layout.operator_menu_enum("diffraction.add_snake_scales", "species", text="Snake Scales")
 
 
 #: Pages of the guide by patterns of what Blender calls a button: operators, and properties of the scene.
@@ -145,4 +157,4 @@ def unregister() -> None:
         _command = None
 
 
-CLASSES = (DIFFRACTION_FH_scan, DIFFRACTION_MT_object)
+CLASSES = (DIFFRACTION_FH_scan, DIFFRACTION_MT_object, DIFFRACTION_MT_add)

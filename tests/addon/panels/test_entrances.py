@@ -30,9 +30,11 @@ def test_menus_offer_it():
 
     assert "diffraction.import_scan" in menu_text(entrances._import)
     editor = type("Context", (), {"space_data": type("S", (), {"type": "NODE_EDITOR", "tree_type": "ShaderNodeTree"})})
-    assert "diffraction.add_node" in menu_text(entrances._add_node, editor)
+    assert "Nodes of this extension" in menu_text(entrances._add_node, editor)
+    ours = menu_text(entrances.DIFFRACTION_MT_add.draw, editor)
+    assert "diffraction.add_node" in ours and "Snake Scales" in ours
     geometry = type("Context", (), {"space_data": type("S", (), {"type": "NODE_EDITOR", "tree_type": "Other"})})
-    assert "diffraction.add_node" not in menu_text(entrances._add_node, geometry)
+    assert "Nodes of this extension" not in menu_text(entrances._add_node, geometry)
     assert entrances._import in bpy.types.TOPBAR_MT_file_import.draw._draw_funcs
     assert entrances._add_node in bpy.types.NODE_MT_shader_node_add_all.draw._draw_funcs
 
