@@ -23,7 +23,7 @@ from bpy.props import (
 from ..precompute.errors import DiffractionError
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
 from . import preset_properties
-from .tables import light_file
+from .tables import light_file, stack_preview
 
 _LABELS = {
     "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),
@@ -62,7 +62,13 @@ FRESNEL_ITEMS = [
 IMPLEMENTATION_ITEMS = [
     ("AUTO", "Automatic", "OSL where this Blender, the scene's engine and its device render it, else Nodes", 0, 2),
     ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light", 0, 0),
-    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file", 0, 1),
+    (
+        "NODES",
+        "Nodes",
+        "Cycles on any device, with the same light, and EEVEE, with four lamps; packed into the file",
+        0,
+        1,
+    ),
 ]
 
 ORIENTATION_ITEMS = [
@@ -451,3 +457,4 @@ def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
     preset_properties.drop_pictures()
+    stack_preview.drop()

@@ -72,13 +72,21 @@ def build(
     tree.nodes.clear()
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
-    surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own)))
+    knows_directions = lookup.guard(
+        graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT
+    )
+    surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own), knows_directions))
     random = environment.random_numbers(graph)
     drawn = surface.group(draw, Random=random).outputs
-    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, graph.clamp(given["Environment"], 0.0, 1.0))
+    enabled = graph.product(graph.clamp(given["Environment"], 0.0, 1.0), knows_directions)
+    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, enabled)
     cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
     eevee = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), surface.emitted(shown))
-    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], surface.mixed(surface["EEVEE"], cycles, eevee))
+    shaded = surface.mixed(surface["EEVEE"], cycles, eevee)
+    if layout.guarded:
+        intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height)
+        shaded = surface.mixed(intact, given["Base"], shaded)
+    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], shaded)
 
 
 def _lamps(

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from ...precompute.constants import LEAST_SCALE
 from ...precompute.table import importance, scaled_albedo
-from ...precompute.table.layout import TableLayout
+from ...precompute.table.layout import GUARD, GUARD_TOLERANCE, TableLayout
 from ..lights import slots
 from ..shader_files import SHADERS
 from ..versions import texture_t_is_down
@@ -44,6 +44,10 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
     numbers["TABLE_HAS_LACQUER"] = int(layout.index > 1.0)
     numbers["TABLE_INDEX"] = layout.index
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
+    numbers.setdefault("TABLE_GUARDED", layout.guarded)
+    numbers.update(
+        zip(("GUARD_HIGH", "GUARD_MIDDLE", "GUARD_LOW"), GUARD, strict=True), GUARD_TOLERANCE=GUARD_TOLERANCE
+    )
     numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
     numbers["LAMPS_MAX"] = LAMPS_MAX
     numbers["TABLE_ALBEDO_FREE"] = float(albedo_free)
@@ -53,7 +57,19 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
         numbers[f"SCALED_{name}"] = float(getattr(scaled_albedo, name))
     numbers.update({f"SCALED_DEPTH_{i}": value for i, value in enumerate(scaled_albedo.DEPTHS)})
     numbers["TABLE_IS_LINEAR_IN_W"] = int(layout.power == 1.0)
-    for name in ("N_VIEWS", "VIEW_END", "AZIMUTHS_STEP", "AZIMUTHS_MAX", "N_R", "N_PHI", "WIDTH", "HEIGHT", "VIEWS"):
+    for name in (
+        "N_VIEWS",
+        "VIEW_END",
+        "AZIMUTHS_STEP",
+        "AZIMUTHS_MAX",
+        "N_R",
+        "N_PHI",
+        "WIDTH",
+        "HEIGHT",
+        "VIEWS",
+        "GUARD_X",
+        "GUARD_Y",
+    ):
         numbers[f"IMPORTANCE_{name}"] = float(getattr(importance, name))
     numbers.update({f"FRESNEL_{name}": value for name, value in FRESNEL.items()})
     numbers.update({f"LAMP_{name}": value for name, value in LAMP_KINDS.items()})

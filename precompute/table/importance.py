@@ -46,7 +46,7 @@ from ..errors import TableError
 from ..files.atomic import atomic_path
 from ..files.exr import write_image
 from . import scaled_albedo
-from .layout import TableLayout
+from .layout import GUARD, GUARD_SIDE, TableLayout
 from .table import SpectralTable
 
 #: Polar angles of the views, steps of the radius, rows of angles, steps of the angle.
@@ -68,12 +68,16 @@ def azimuths(i: int) -> int:
 #: Index of the first view of each polar angle, and of all views.
 FIRST_VIEW = tuple(sum(azimuths(k) for k in range(i)) for i in range(N_VIEWS + 1))
 
-#: All views, and the size of the image: a row a view, then the albedos of scaled surfaces.
+#: Size of the image: a row a view, the albedos of scaled surfaces, and a guard above as the atlas has one
+#: (`layout.GUARD`).
 VIEWS = FIRST_VIEW[-1]
-WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, VIEWS + scaled_albedo.HEIGHT
+WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, VIEWS + scaled_albedo.HEIGHT + GUARD_SIDE
+
+#: Texel of the guard.
+GUARD_X, GUARD_Y = GUARD_SIDE // 2, HEIGHT - GUARD_SIDE + GUARD_SIDE // 2
 
 #: Version of the file, with all that its reader takes for granted; an image of another one is made anew.
-VERSION = f"3 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
+VERSION = f"4 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
 
 #: Shares of X, Y and Z in a density: the luminance and a little more; that alone would leave the blue orders to chance.
 _XYZ_SHARES = np.array((0.07, 0.86, 0.07), np.float32)
@@ -173,13 +177,15 @@ class Importance:
         """``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: a row a view.
 
         First the steps of the radius (two edges and the row of angles), then the rows of angles one after another
-        (two edges and the median). The albedos of scaled surfaces lie above all views, from the left.
+        (two edges and the median). The albedos of scaled surfaces lie above all views, from the left, the guard
+        above them.
         """
         image = np.zeros((HEIGHT, WIDTH, 3), np.float32)
         image[:VIEWS, :N_R, :2] = self.radius
         image[:VIEWS, :N_R, 2] = self.row
         image[:VIEWS, N_R:] = self.turn.reshape(VIEWS, N_ROWS * N_PHI, 3)
-        image[VIEWS:, : scaled_albedo.WIDTH] = self.albedos
+        image[VIEWS : VIEWS + scaled_albedo.HEIGHT, : scaled_albedo.WIDTH] = self.albedos
+        image[GUARD_Y, GUARD_X] = GUARD
         return image
 
 

@@ -88,7 +88,7 @@ class Parts:
     kept: bpy.types.NodeTree | None = None
 
 
-def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> dict[str, Socket]:
+def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], knows: Socket) -> dict[str, Socket]:
     """The sockets of `SHARED`.
 
     Parameters
@@ -101,6 +101,8 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
         Of the table.
     rows
         Of the matrix from XYZ to the working space.
+    knows
+        1 where the image of directions, which holds the albedos, is the one that was written.
     """
     white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
     graph.put(engine.inputs[0], white.outputs[0])
@@ -122,6 +124,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
     is_scaled = graph.difference(1.0, graph.product(*is_one))
     scale2 = graph.product(scale, scale)
     tile, tile_part, shares = lookup.scaled_place(graph, parts.layout, scale, depth)
+    shares = graph.scaled(shares, knows)  # no albedo is better than a wrong one
     brightness = graph.product(front, given["Brightness"], 0.25 * parts.layout.scale)
     brightness = graph.product(brightness, graph.product(scale2, graph.math("POWER", depth, parts.layout.power)))
     root = graph.quotient(graph.difference(given["IOR"], 1.0), graph.sum(given["IOR"], 1.0))

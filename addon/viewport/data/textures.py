@@ -149,7 +149,9 @@ class Tables:
         """
         textures = self.get(path)
         if textures.tiles is None:
-            textures.tiles = _upload_tiles(find_directions(path)[importance.VIEWS :, : scaled_albedo.WIDTH])
+            textures.tiles = _upload_tiles(
+                find_directions(path)[importance.VIEWS :][: scaled_albedo.HEIGHT, : scaled_albedo.WIDTH]
+            )
         return textures.tiles
 
     def keep(self, paths: set[Path]) -> None:
