@@ -62,7 +62,13 @@ FRESNEL_ITEMS = [
 IMPLEMENTATION_ITEMS = [
     ("AUTO", "Automatic", "OSL where this Blender, the scene's engine and its device render it, else Nodes", 0, 2),
     ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light", 0, 0),
-    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file", 0, 1),
+    (
+        "NODES",
+        "Nodes",
+        "Cycles on any device, with the same light, and EEVEE, with four lamps; packed into the file",
+        0,
+        1,
+    ),
 ]
 
 ORIENTATION_ITEMS = [

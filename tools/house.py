@@ -26,7 +26,7 @@ FLOORS = {
         ("__main__", "__init__"),
     ),
     "addon": (
-        ("app_handlers", "colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
+        ("app_handlers", "colour_spaces", "given", "notices", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures", "renderers"),
         ("tables", "lights"),
         ("materials",),

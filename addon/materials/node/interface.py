@@ -10,7 +10,9 @@ are shown is up to their panel. Names that are kept for sockets to come: Scale, 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -96,26 +98,38 @@ _LIMITS = ("min_value", "max_value")
 OUTPUT = "BSDF"
 
 
-def make(tree: bpy.types.NodeTree) -> None:
-    """Give a group the sockets; those that it has stay, with the limits of today.
+def make(
+    tree: bpy.types.NodeTree,
+    sockets: tuple[Socket, ...] = SOCKETS,
+    panels: Mapping[str, str] = PANELS,
+    outputs: Mapping[str, tuple[str, str]] = MappingProxyType({OUTPUT: (_SHADER, "Pigment and diffracted light")}),
+) -> None:
+    """Give a group sockets; those that it has stay, with the limits of today.
 
     Parameters
     ----------
     tree
         A shader node group.
+    sockets
+        Its inputs; those of *Diffraction*.
+    panels
+        Name: text.
+    outputs
+        Name: (socket type, text).
     """
     items = tree.interface
     there = {(item.item_type, getattr(item, "in_out", ""), item.name): item for item in items.items_tree}
-    if ("SOCKET", "OUTPUT", OUTPUT) not in there:
-        items.new_socket(OUTPUT, in_out="OUTPUT", socket_type=_SHADER, description="Pigment and diffracted light")
-    panels: dict[str, Any] = {}
-    for name, text in PANELS.items():
-        panels[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
-    for socket in SOCKETS:
+    for name, (kind, text) in outputs.items():
+        if ("SOCKET", "OUTPUT", name) not in there:
+            items.new_socket(name, in_out="OUTPUT", socket_type=kind, description=text)
+    folded: dict[str, Any] = {}
+    for name, text in panels.items():
+        folded[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
+    for socket in sockets:
         known = there.get(("SOCKET", "INPUT", socket.name))
         item: Any = known or items.new_socket(
             socket.name, in_out="INPUT", socket_type=socket.kind, description=socket.text,
-            parent=panels.get(socket.panel),
+            parent=folded.get(socket.panel),
         )  # fmt: skip
         for key in _LIMITS if known else ("subtype", *_LIMITS, "default_value", "hide_value"):
             if key in socket.properties and getattr(item, key) != socket.properties[key]:
