@@ -83,10 +83,19 @@ def build(
     cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
     eevee = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), surface.emitted(shown))
     shaded = surface.mixed(surface["EEVEE"], cycles, eevee)
+    shows = _on_a_surface(graph)
     if layout.guarded:
         intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height)
-        shaded = surface.mixed(intact, given["Base"], shaded)
+        shows = graph.product(shows, intact)
+    shaded = surface.mixed(shows, given["Base"], shaded)
     graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], shaded)
+
+
+def _on_a_surface(graph: Graph) -> Socket:
+    """0 on strands and points, which have no place for a scan, as in ``shaders/diffraction.osl``; else 1."""
+    strand = graph.add("ShaderNodeHairInfo").outputs["Is Strand"]
+    radius = graph.add("ShaderNodePointInfo").outputs["Radius"]
+    return graph.math("LESS_THAN", graph.math("MAXIMUM", strand, radius), 1e-30)
 
 
 def _lamps(

@@ -10,6 +10,7 @@ import bpy
 
 from .. import paths, renderers
 from ..materials import material, scale, setup, travel
+from ..operators import slots
 from ..operators.files import farm_copies, is_fresh
 from ..tables.table_state import READY, table_state
 from ..versions import EEVEE
@@ -53,6 +54,10 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout.prop(state, "conserve_energy")
         number(layout, state, "environment", "off")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
+        which = slots.only_active(ob for ob in context.selected_objects if slots.takes_material(ob))
+        if which:
+            note(layout, which)
+            layout.operator("diffraction.apply_material", text="Apply to All Slots").all_slots = True
         if misfits(context.scene):
             note(layout, why(context.scene), "ERROR")
             layout.operator("diffraction.fit_renderer", icon="MODIFIER")

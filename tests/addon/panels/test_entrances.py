@@ -97,6 +97,7 @@ def test_the_search_finds_every_command_of_the_panels(plane):
         "bake_preset_add",
         "structure_preset_add",
         "add_node",
+        "add_snake_scales",
     }
     assert set(entrances.COMMANDS) - {None} | of_buttons >= {name for name in dir(bpy.ops.diffraction)}
     text = menu_text(bpy.types.DIFFRACTION_MT_object.draw, bpy.context)
