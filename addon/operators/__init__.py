@@ -12,12 +12,12 @@ from . import (
     fit,
     import_scan,
     make_preset,
-    paint,
     preview_levelling,
     reflectance,
     setting_presets,
     show_image,
 )
+from .painting import paint
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,

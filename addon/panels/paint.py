@@ -6,8 +6,9 @@ from __future__ import annotations
 import bpy
 
 from .. import paint_properties
-from ..materials import material, paint_nodes
-from ..operators.paint import without
+from ..materials import material
+from ..materials.node import paint_nodes
+from ..operators.painting.paint import without
 from ..tables.table_state import READY, table_state
 from .sidebar import Sidebar, note, number, split
 

@@ -13,7 +13,8 @@ import bpy
 import numpy as np
 
 from ...precompute.errors import DiffractionError
-from ..materials import material, paint_nodes
+from ..materials import material
+from ..materials.node import paint_nodes
 from . import items, lamps, looks, surroundings
 from .data import blocks, orientation, sources
 from .data.batches import Meshes

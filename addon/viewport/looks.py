@@ -15,8 +15,9 @@ from ...precompute.evaluate.surface import coherence_area, relative_colour_facto
 from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
 from ...precompute.table.layout import TableLayout
 from ..colour_spaces import working_space
-from ..materials import material, paint_nodes
+from ..materials import material
 from ..materials import pigment as pigments
+from ..materials.node import paint_nodes
 from ..materials.osl import FRESNEL
 from .data import orientation
 from .data.blocks import Surface

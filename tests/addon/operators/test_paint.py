@@ -33,7 +33,7 @@ def photo(tmp_path):
 
 
 def image_of(shaded):
-    from diffraction_shader.addon.materials import paint_nodes
+    from diffraction_shader.addon.materials.node import paint_nodes
 
     return paint_nodes.image(shaded)
 

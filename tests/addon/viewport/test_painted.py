@@ -47,7 +47,7 @@ def test_a_paint_is_followed_texel_by_texel(renderer, tmp_path):
     scenes.add_sun(SUN, strength=1.0)
     scenes.add_camera(direction=(0.0, 0.0, 1.0), extent=2.0)
     made = scene.give_material(plane, tmp_path / "t.exr", fresnel="NONE", conserve_energy=False)
-    from diffraction_shader.addon.materials import paint_nodes
+    from diffraction_shader.addon.materials.node import paint_nodes
 
     paint_nodes.wire(made or plane.active_material, paint_nodes.load(path))
     image = drawing.alone(renderer, 64)[4::8, 4::8, :3][::-1, ::-1]  # straight above: top down

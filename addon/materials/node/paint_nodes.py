@@ -11,8 +11,8 @@ from typing import Any
 
 import bpy
 
-from .. import colour_spaces, paths
-from . import material
+from ... import colour_spaces, paths
+from .. import material
 
 #: Names of the nodes, and the sockets by the channels of the image.
 IMAGE, SPLIT, UV, TURN = "Diffraction Paint", "Diffraction Paint Channels", "Diffraction Paint UV", "Diffraction Turn"

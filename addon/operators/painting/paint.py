@@ -3,24 +3,19 @@
 
 from __future__ import annotations
 
-import hashlib
-from pathlib import Path
-from typing import Any
-
 import bpy
-import numpy as np
 
-from ...precompute.errors import DiffractionError
-from ...precompute.files.output_folder import ensure_folder
-from ...precompute.files.pictures import read_picture
-from ...precompute.paint.maps import Paint, save_paint
-from ...precompute.paint.of_table import paint_of_table
-from ...precompute.paint.recipes import RECIPES
-from ...precompute.table.table import read_sidecar
-from .. import paint_properties, paths
-from ..given import take
-from ..materials import handlers, material, paint_nodes
-from ..numbers import decimal
+from ....precompute.errors import DiffractionError
+from ....precompute.files.pictures import read_picture
+from ....precompute.paint.of_table import paint_of_table
+from ....precompute.paint.recipes import RECIPES
+from ....precompute.table.table import read_sidecar
+from ... import paint_properties, paths
+from ...given import take
+from ...materials import handlers, material
+from ...materials.node import paint_nodes
+from ...numbers import decimal
+from . import files
 
 
 class DIFFRACTION_OT_paint(bpy.types.Operator):
@@ -50,23 +45,23 @@ class DIFFRACTION_OT_paint(bpy.types.Operator):
         values = {name: decimal(value) if isinstance(value, float) else value for name, value in values.items()}
         table = material.table_path(shown).with_suffix(".exr")
         try:
-            files = [self.picture, self.second_picture][: most_pictures(self.recipe)]
+            chosen = [self.picture, self.second_picture][: most_pictures(self.recipe)]
             made = paint_of_table(
                 self.recipe,
                 read_sidecar(table),
                 self.pixels,
                 decimal(self.size_mm) * 1e-3,
-                [read_picture(paths.absolute(each)) for each in files if each],
+                [read_picture(paths.absolute(each)) for each in chosen if each],
                 decimal(self.period_um) * 1e-6 or None,
                 **values,
             )
-            image = paint_nodes.load(_store(made, table))
+            image = paint_nodes.load(files.store(made, table))
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         paint_nodes.wire(shown, image)
         handlers.update_all()
-        self.report({"INFO"}, _told(made, shown))
+        self.report({"INFO"}, files.told(made, shown.name))
         return {"FINISHED"}
 
 
@@ -120,27 +115,5 @@ def without(recipe: str) -> set[str]:
     unused |= {"second_picture"} if most_pictures(recipe) < 2 else set()
     return unused if recipe == "lens" else unused | {"size_mm"}
 
-
-def _store(made: Paint, table: Path) -> Path:
-    """The paint's file beside the table. Its name follows its content: what undo goes back to is still there."""
-    content = hashlib.sha256(np.ascontiguousarray(np.stack(made.maps)).tobytes()).hexdigest()[:10]
-    path = ensure_folder(table.parent) / f"{table.stem}.{made.info['recipe']}.{content}.paint.exr"
-    return path if path.is_file() else save_paint(made, path)
-
-
-def _told(made: Paint, shown: bpy.types.Material) -> str:
-    """What was painted, and what could not be shown."""
-    text = f"{shown.name} is painted with {RECIPES[made.info['recipe']].label}, {made.shape[1]} x {made.shape[0]}"
-    left = {name: part for name, part in made.info.get("marked", {}).items() if part >= 0.005}
-    if left:
-        text += "; without structure: " + ", ".join(f"{100 * part:.0f} % {_WHY[name]}" for name, part in left.items())
-    return text
-
-
-#: Of `precompute.paint.picture`.
-_WHY: dict[str, Any] = {
-    "grey": "too grey", "purple": "purple, which no wavelength is", "period_too_large": "of a period above the table's",
-    "band_too_wide": "at the ends of the spectrum",
-}  # fmt: skip
 
 CLASSES = (DIFFRACTION_OT_paint, DIFFRACTION_OT_remove_paint)
