@@ -35,7 +35,7 @@ class Settings:
     ----------
     implementation
         ``OSL`` (Cycles on CPU and OptiX; lamps and environment) or ``NODES`` (Cycles on any device and
-        EEVEE; lamps by their middle, no environment; packed into the .blend).
+        EEVEE, which shows four lamps by their middle; packed into the .blend).
     fresnel
         ``NONE`` (R = 1), ``DIELECTRIC`` (exact, by ``ior``), ``SCHLICK`` (its approximation, that of the thesis and of
         0.1.0) or ``CONDUCTOR`` (exact, by n and k of red, green and blue).

@@ -86,6 +86,25 @@ def test_the_command_line_is_that_of_the_core(capsys):
     assert "no file" in capsys.readouterr().err
 
 
+def test_the_search_finds_every_command_of_the_panels(plane):
+    """F3 reads menus. What is left out needs something that only its button knows."""
+    from diffraction_shader.addon.panels import entrances
+
+    of_buttons = {
+        "choose_channel",
+        "use_stored_scan",
+        "show_image",
+        "bake_preset_add",
+        "structure_preset_add",
+        "add_node",
+        "add_snake_scales",
+    }
+    assert set(entrances.COMMANDS) - {None} | of_buttons >= {name for name in dir(bpy.ops.diffraction)}
+    text = menu_text(bpy.types.DIFFRACTION_MT_object.draw, bpy.context)
+    assert all(f"diffraction.{name}" in text for name in entrances.COMMANDS if name)
+    assert entrances._object in bpy.types.VIEW3D_MT_object.draw._draw_funcs
+
+
 def test_the_material_tab_leads_on(plane):
     tab = bpy.types.DIFFRACTION_PT_material_tab
     context = type("C", (), {"scene": bpy.context.scene, "object": plane, "material": None})
