@@ -53,9 +53,9 @@ def main():
     from PIL import Image
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--frames", type=int, default=36)
+    parser.add_argument("--frames", type=int, default=32)
     parser.add_argument("--width", type=int, default=480)
-    parser.add_argument("--samples", type=int, default=16)
+    parser.add_argument("--samples", type=int, default=12)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "pictures" / "motion.webp")
     arguments = parser.parse_args()
     from gallery_page import render
