@@ -13,13 +13,14 @@ from ...precompute.files.atomic import atomic_path
 from ...precompute.paint import save_paint
 from .. import paths
 from ..materials import material
+from ..materials.node import paint_nodes
 from ..materials.node_graph import Graph, Socket
 from ..materials.scales import measure, wire
 from .art import ART
 from .looks import Asset
 
-#: Scales along the ball on which snakes are pictured.
-SCALES = 64.0
+#: Scales along the body on which snakes are pictured.
+SCALES = 26.0
 
 #: Radii over that of the rim where a disc's clear hub, mirror band and data end (ECMA-130: data from 25 to 58 mm of 60,
 #: with the lead-in before it).
@@ -45,12 +46,11 @@ def dress(shaded: bpy.types.Material, asset: Asset, ob: bpy.types.Object, period
     if pigment is not None:
         pigment.inputs["Color"].default_value = (*asset.pigment, 1.0)
     if asset.species:
-        wire.add(shaded, asset.species, "OBJECT", ob, measure.longest_m(ob) / SCALES)
+        node, _ = wire.add(shaded, asset.species, "OBJECT", ob, measure.longest_m(ob) / SCALES)
+        node.inputs["Tail"].default_value = (1.0, 0.0, 0.0)  # as the body of the stage lies
     if asset.print_of == "DISC":
         _disc(tree, material.shader_node(shaded))
     if asset.art:
-        from ..materials import paint_nodes
-
         paint, rgb = ART[asset.art](period_m)
         stem = asset.name.lower().replace(" ", "_").replace("-", "_")
         folder = paths.data_folder()
@@ -86,8 +86,8 @@ def _print(tree: Any, node: Any, asset: Asset, picture: bpy.types.Image | None) 
         tree.links.new(texture.outputs["Color"], inputs["Base Color"])
         inputs["Roughness"].default_value = 0.25
     elif asset.art == "mark":
-        inputs["Base Color"].default_value = (0.50, 0.49, 0.47, 1.0)
-        inputs["Metallic"].default_value, inputs["Roughness"].default_value = 1.0, 0.38
+        inputs["Base Color"].default_value = (0.26, 0.255, 0.25, 1.0)
+        inputs["Metallic"].default_value, inputs["Roughness"].default_value = 1.0, 0.5
     else:
         inputs["Base Color"].default_value = (*asset.pigment, 1.0)
     old = node.inputs["Base"].links[0].from_node if node.inputs["Base"].is_linked else None

@@ -34,7 +34,7 @@ def build_assets(
     path
         The library's .blend; tables go to ``diffraction/`` beside it, the catalogue to its folder.
     only
-        Names of presets or of materials; empty takes all.
+        Names of materials, or of presets, which take those that are the preset as it is; empty takes all.
     detail
         Of the tables.
     samples
@@ -51,7 +51,7 @@ def build_assets(
     scene.render.engine = "CYCLES"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
     shapes = stage.build(scene)
-    chosen = [asset for asset in ASSETS if not only or asset.preset in only or asset.name in only]
+    chosen = [asset for asset in ASSETS if not only or asset.name in only or (asset.is_plain and asset.preset in only)]
     catalogues = {name: _uuid(index) for index, name in enumerate(sorted({asset.catalogue for asset in ASSETS}), 1)}
     made = []
     for index, asset in enumerate(chosen):

@@ -53,7 +53,7 @@ class Asset:
     print_of
         ``DISC`` for a disc's data ring, mirror band and label.
     shape
-        What it is pictured on: ``BALL``, ``DISC`` or ``CARD``.
+        What it is pictured on: ``BALL``, ``BODY``, ``DISC``, ``CARD`` or ``PLATE``.
     """
 
     name: str
@@ -69,10 +69,15 @@ class Asset:
     shape: str = "BALL"
 
     @property
+    def is_plain(self) -> bool:
+        """Whether it is its preset as that comes, over a pigment."""
+        return not (self.parameters or self.surface or self.art)
+
+    @property
     def bright(self) -> float:
         """How much more it sends back than dark skin, roughly: what its picture is exposed for."""
         if self.species:
-            return 6.0 if self.species == "CORN" else 1.0
+            return 5.0 if self.species == "CORN" else 2.0
         return 16.0 if look_of(self.preset).is_bright or "substrate" in self.surface else 1.0
 
 
@@ -80,8 +85,10 @@ _DISC: dict[str, Any] = {"pigment": GREY, "print_of": "DISC", "shape": "DISC"}
 _STEEL: dict[str, Any] = {"substrate": "Fe", "films": ""}
 
 ASSETS = (
-    Asset("Sunbeam Snake", "Animals", "Xenopeltis: black scales that shine in all colours", "snake", species="SUNBEAM"),
-    Asset("Corn Snake", "Animals", "Elaphe: red-brown saddles on orange, a weak sheen", "elaphe", species="CORN"),
+    Asset("Sunbeam Snake", "Animals", "Xenopeltis: black scales that shine in all colours", "snake", species="SUNBEAM",
+          shape="BODY"),
+    Asset("Corn Snake", "Animals", "Elaphe: red-brown saddles on orange, a weak sheen", "elaphe", species="CORN",
+          shape="BODY"),
     Asset("Jewel Beetle", "Animals", "Layers of melanin and chitin: green, blue at the rim", "jewel_beetle"),
     Asset("Morpho Wing", "Animals", "Ridges of a blue butterfly's scale over a stack of lamellae", "morpho"),
     Asset("CD", "Discs", "Pits 1.6 um apart, mirror band, print on the back; hole on the object's z", "cd", **_DISC),
@@ -94,18 +101,18 @@ ASSETS = (
           surface={"substrate": "Au", "films": ""}),
     Asset("Holographic Foil", "Foils", "Crossed gratings of gift wrap", "foil", pigment=GREY),
     Asset("Glitter Foil", "Foils", "Cells of random direction and period", "sinusoid", {"period_um": 1.4}, GREY,
-          art="glitter", shape="CARD"),
+          art="glitter", shape="PLATE"),
     Asset("Gold Foil", "Foils", "Crossed gratings in gold", "gold_foil"),
     Asset("Lacquered Foil", "Foils", "Crossed gratings under a clear varnish", "lacquered_foil", pigment=GREY),
     Asset("Random Bumps", "Foils", "A field of random bumps after Stam", "stam_bumps"),
     Asset("Trading Card", "Prints", "A printed picture whose sky is holographic foil under varnish", "lacquered_foil",
           art="card", shape="CARD"),
     Asset("Security Sticker", "Prints", "A guilloche and a seal, each line with its own direction", "lacquered_foil",
-          {"period_um": 1.2}, SILVER, art="sticker", shape="CARD"),
+          {"period_um": 1.2}, SILVER, art="sticker", shape="PLATE"),
     Asset("Brushed Steel", "Metals", "Random grooves along y: a streak with faint colours", "brushed_metal",
           pigment=GREY, surface=_STEEL),
     Asset("Oil on a Brushed Plate", "Metals", "A film of oil on brushed steel", "oily_plate", pigment=GREY),
     Asset("Anodised Titanium", "Metals", "Ripple of laser pulses under an oxide film", "titanium_ripple"),
     Asset("Laser-Marked Plate", "Metals", "Ripple of laser pulses on steel, its direction the polarisation's",
-          "titanium_ripple", {"period_um": 0.9}, surface=_STEEL, art="mark", shape="CARD"),
+          "titanium_ripple", {"period_um": 0.9}, surface=_STEEL, art="mark", shape="PLATE"),
 )  # fmt: skip

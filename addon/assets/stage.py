@@ -21,11 +21,12 @@ _SUNS = {"Sun": ((-0.35, -0.55, 0.75), 22.0), "Window": ((0.75, -0.3, 0.45), 9.0
 
 
 def build(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
-    """A ball under two suns, a disc and a card under a bulb near the camera, where a disc shows its spokes, and a sky;
-    the three by the names that `picture` knows."""
+    """A ball under two suns, a disc and cards under a bulb near the camera, where a disc shows its spokes, and a
+    sky; all by the names that `picture` knows."""
     shapes = {name: _link(scene, name.title(), make()) for name, make in _SHAPES.items()}
     shapes["DISC"].rotation_euler = (math.radians(62.0), 0.0, math.radians(12.0))
-    shapes["CARD"].rotation_euler = (math.radians(74.0), 0.0, math.radians(14.0))
+    for name in ("CARD", "PLATE"):
+        shapes[name].rotation_euler = (math.radians(76.0), 0.0, math.radians(8.0))
     for name, (direction, _) in _SUNS.items():
         light = bpy.data.lights.new(name, "SUN")
         light.angle = math.radians(1.0)
@@ -80,16 +81,30 @@ def _disc(segments: int = 192, rings: int = 4) -> bpy.types.Mesh:
     return _grid(mesh, points, np.stack([radius, lon], -1).reshape(-1, 2), segments + 1, rings + 1)
 
 
-def _card(columns: int = 64, rows: int = 4) -> bpy.types.Mesh:
+def _card(width: float = 1.40, columns: int = 64, rows: int = 4) -> bpy.types.Mesh:
     """A playing card, bent a little, so that its colours change across."""
     mesh = bpy.data.meshes.new("Card")
     u, v = np.meshgrid(np.linspace(0.0, 1.0, columns + 1), np.linspace(0.0, 1.0, rows + 1))
-    turn = (u - 0.5) * 0.5
-    points = np.stack([1.40 * np.sin(turn) / 0.5, 1.96 * (v - 0.5), 2.8 * (np.cos(turn) - 1.0)], -1).reshape(-1, 3)
+    turn, radius = (u - 0.5) * 0.35, width / 0.35
+    points = np.stack([radius * np.sin(turn), 1.96 * (v - 0.5), radius * (np.cos(turn) - 1.0)], -1).reshape(-1, 3)
     return _grid(mesh, points, np.stack([u, v], -1).reshape(-1, 2), columns + 1, rows + 1)
 
 
-_SHAPES = {"BALL": _ball, "DISC": _disc, "CARD": _card}
+def _body(rings: int = 160, around: int = 96) -> bpy.types.Mesh:
+    """Part of a snake that winds along x."""
+    mesh = bpy.data.meshes.new("Body")
+    x = np.linspace(-1.02, 1.02, rings + 1)
+    rise, bend = 0.30 * np.sin(3.2 * x), 0.96 * np.cos(3.2 * x)
+    turn = np.linspace(2.0 * np.pi, 0.0, around + 1)
+    norm = np.hypot(1.0, bend)
+    out = np.stack([-bend / norm, np.zeros_like(x), 1.0 / norm], -1)
+    ring = np.cos(turn)[None, :, None] * np.array([0.0, -1.0, 0.0]) + np.sin(turn)[None, :, None] * out[:, None]
+    points = np.stack([x, np.zeros_like(x), rise], -1)[:, None] + 0.36 * ring
+    uv = np.stack(np.broadcast_arrays(np.linspace(0.0, 1.0, rings + 1)[:, None], turn[None] / (2.0 * np.pi)), -1)
+    return _grid(mesh, points.reshape(-1, 3), uv.reshape(-1, 2), around + 1, rings + 1)
+
+
+_SHAPES = {"BALL": _ball, "DISC": _disc, "CARD": _card, "PLATE": lambda: _card(1.96), "BODY": _body}
 
 
 def _grid(mesh: bpy.types.Mesh, points: np.ndarray, uv: np.ndarray, columns: int, rows: int) -> bpy.types.Mesh:
@@ -136,7 +151,7 @@ def picture(
     """
     for name, ob in shapes.items():
         ob.hide_render = name != shape
-    flat = shape != "BALL"
+    flat = shape not in ("BALL", "BODY")
     for name, (_, strength) in _SUNS.items():
         scene.objects[name].hide_render = flat
         scene.objects[name].data.energy = strength / bright

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/pictures/motion.webp: a compact disc and a sunbeam snake while a lamp goes round, a loop for the README.
+"""docs/pictures/motion.webp: a compact disc and a sunbeam snake while a lamp swings there and back, for the README.
 
-``motion.py [--frames N] [--width W] [--samples S] [--out FILE]``. Only the lamp moves. Open Image Denoise clears the
-frames of noise.
+``motion.py [--frames N] [--width W] [--samples S] [--out FILE]``. Only the lamp moves. The frames of the way there
+serve for the way back as well. Open Image Denoise clears them of noise.
 """
 
 import argparse
@@ -18,13 +18,13 @@ sys.path.insert(0, str(ROOT))
 sys.path.insert(0, str(ROOT / "tools" / "docs"))
 
 #: Length of the loop in seconds, and most bytes of the file.
-SECONDS, LIMIT = 3.2, 4_000_000
+SECONDS, LIMIT = 3.0, 4_000_000
 
 
 def lamp_place(share):
-    """Where the lamp stands at a share of the loop: an ellipse above and beside the camera."""
-    turn = 2.0 * math.pi * share
-    return 0.34 * math.cos(turn), -0.06 + 0.22 * math.sin(turn), 0.55
+    """Where the lamp stands at a share of the way: an arc over the camera, slow at its ends like a pendulum."""
+    swing = -math.cos(math.pi * share)
+    return 0.40 * swing, -0.22 + 0.20 * swing**2, 0.55 - 0.08 * swing**2
 
 
 def build(folder):
@@ -53,9 +53,9 @@ def main():
     from PIL import Image
 
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--frames", type=int, default=32)
+    parser.add_argument("--frames", type=int, default=14)
     parser.add_argument("--width", type=int, default=480)
-    parser.add_argument("--samples", type=int, default=12)
+    parser.add_argument("--samples", type=int, default=10)
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "pictures" / "motion.webp")
     arguments = parser.parse_args()
     from gallery_page import render
@@ -67,15 +67,15 @@ def main():
         folder = Path(name)
         lamp = build(folder)
         for index in range(arguments.frames):
-            lamp.location = lamp_place(index / arguments.frames)
+            lamp.location = lamp_place(index / max(arguments.frames - 1, 1))
             render(folder / "frame.png", arguments.width, arguments.width * 9 // 16, arguments.samples)
             frames.append(Image.open(folder / "frame.png").convert("RGB").copy())
             print(f"{index + 1} of {arguments.frames}, {time.perf_counter() - start:.0f} s", flush=True)
-    first, *others = frames
+    first, *others = frames + frames[-2:0:-1]
     for quality in (82, 70, 55, 40):
         first.save(
             arguments.out, save_all=True, append_images=others, loop=0, quality=quality, method=6,
-            duration=round(1000.0 * SECONDS / len(frames)),
+            duration=round(1000.0 * SECONDS / (1 + len(others))),
         )  # fmt: skip
         if arguments.out.stat().st_size <= LIMIT:
             break

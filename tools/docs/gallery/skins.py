@@ -67,7 +67,10 @@ def build(out):
     stage.table_top(2.0, stage.plain("Slate", (0.022, 0.021, 0.020), 0.45))
     sunbeam = body("Sunbeam snake", *winding((-0.34, -0.02), (0.36, -0.12), 0.040, 1.6, 0.0150))
     corn = body("Corn snake", *winding((-0.36, 0.15), (0.36, 0.04), 0.034, 1.7, 0.0160, 2.4))
-    left, right = suzanne("Left", (-0.115, 0.215, 0.058), 0.068, 0.35), suzanne("Right", (0.115, 0.215, 0.058), 0.068, -0.3)
+    left, right = (
+        suzanne("Left", (-0.115, 0.215, 0.058), 0.068, 0.35),
+        suzanne("Right", (0.115, 0.215, 0.058), 0.068, -0.3),
+    )
     scaled([sunbeam], "SUNBEAM", "UV")
     scaled([left], "SUNBEAM", "OBJECT", 0.0065)
     scaled([corn], "CORN", "UV")
