@@ -25,15 +25,14 @@ def wing(name, outline, side, lift):
     x, y = radius * np.cos(turn), radius * np.sin(turn)
     z = lift * x + 2.2 * x**2 + 0.0006 * np.sin(9.0 * turn) * part[:, None]
     points = np.stack([side * (x + 0.002), y, z + 0.004], -1)
-    if side < 0:
-        points = points[:, ::-1]
     # The ridges of the scales run from the body outwards: the scan's y. Its x, the table's tangent, runs across them.
     uv = np.stack([points[..., 1], -side * points[..., 0]], -1)
-    mesh = stage.grid(name, points, uv)
+    flip = slice(None, None, -side)  # faces look up
+    mesh = stage.grid(name, points[:, flip], uv[:, flip])
     edge = mesh.attributes.new("edge", "FLOAT", "POINT")
     inside = np.clip((0.86 - part) / 0.10, 0.0, 1.0)[:, None] * np.ones(97)
     veins = np.clip(np.abs(np.sin(7.5 * np.pi * (angle - angle[0]) / np.ptp(angle))) * 14.0, 0.0, 1.0)[None, :]
-    edge.data.foreach_set("value", (inside * veins).astype(np.float32).ravel())
+    edge.data.foreach_set("value", (inside * veins)[:, flip].astype(np.float32).ravel())
     return stage.link(name, mesh)
 
 
@@ -122,7 +121,7 @@ def ring(place, turn):
     across = np.linspace(-1.0, 1.0, 41)
     outside = np.stack([0.0120 + 0.0011 * (1.0 - across**2), 0.0042 * across], -1)
     inside = np.stack([np.full(9, 0.0112), np.linspace(0.0042, -0.0042, 9)], -1)
-    ob = stage.link("Ring", stage.lathe("Ring", np.concatenate([outside[::-1][::-1], inside]), 256))
+    ob = stage.link("Ring", stage.lathe("Ring", np.concatenate([outside, inside]), 256))
     ob.location, ob.rotation_euler = place, turn
     return ob
 
@@ -134,13 +133,15 @@ def looks(objects, preset, **surface):
 
 def build(out):
     """The scene."""
-    scene = stage.empty_room(out / "stuff.blend", (0.012, 0.013, 0.015))
+    scene = stage.empty_room(out / "stuff.blend", (0.035, 0.038, 0.043))
     stage.table_top(2.0, stage.plain("Slate", (0.006, 0.006, 0.007), 0.35))
     wings = butterfly((-0.030, 0.030, 0.006), (math.radians(16.0), math.radians(0.0), math.radians(14.0)))
     cases = beetle((0.048, -0.030, 0.0), (0.0, 0.0, math.radians(-58.0)))
     band = ring((0.004, -0.040, 0.0118), (math.radians(90.0), 0.0, math.radians(64.0)))
     gold = leaf((-0.074, -0.034, 0.0), (0.0, 0.0, math.radians(20.0)))
-    copper = plate("Copper", (0.015, 0.020), (0.062, 0.040, 0.020), (math.radians(62.0), 0.0, math.radians(-24.0)))
+    copper = plate(
+        "Copper", (0.015, 0.020), (0.066, 0.030, 0.006), (math.radians(14.0), math.radians(-6.0), math.radians(62.0))
+    )
     oil = plate("Oily", (0.022, 0.015), (-0.028, -0.062, 0.0008), (0.0, 0.0, math.radians(8.0)))
     looks(wings, "morpho")
     tree = wings[0].active_material.node_tree
@@ -152,8 +153,8 @@ def build(out):
     looks([gold], "gold_foil")
     looks([copper], "copper_plate")
     looks([oil], "oily_plate")
-    stage.softbox("Window", (-0.30, 0.25, 0.42), (0.0, 0.0, 0.0), (0.34, 0.22), 3.2, (0.92, 0.96, 1.0))
-    stage.softbox("Card", (0.42, 0.05, 0.20), (0.02, 0.0, 0.0), (0.10, 0.26), 0.8, (1.0, 0.93, 0.86))
+    stage.softbox("Window", (-0.30, 0.25, 0.42), (0.0, 0.0, 0.0), (0.30, 0.16), 1.1, (0.92, 0.96, 1.0))
+    stage.softbox("Card", (0.42, 0.05, 0.20), (0.02, 0.0, 0.0), (0.10, 0.26), 0.5, (1.0, 0.93, 0.86))
     stage.bulb("Bulb", (0.10, 0.30, 0.34), 0.9, 0.008)
     stage.camera((0.01, -0.245, 0.185), (0.0, -0.008, 0.006), 47)
     scene.view_settings.view_transform = "AgX"
