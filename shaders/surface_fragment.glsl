@@ -2,6 +2,14 @@
 // The light that a point of a surface sends to the viewer: diffraction of all lamps and, where the surface is replaced
 // and not added to, the pigment underneath.
 
+#ifdef PAINTED  // scale, depth, rotation, mask of a paint (precompute/paint/maps.py), the closest texel
+vec4 painted_here()
+{
+    vec2 size = vec2(textureSize(df_paint, 0));
+    return texelFetch(df_paint, ivec2(min(fract(world_uv) * size, size - 1.0)), 0);
+}
+#endif
+
 // The scan's frame as in diffraction.osl: t along its x, b along its y, right-handed or mirrored as the UV map is.
 mat3 scan_frame(vec3 n)
 {
@@ -19,6 +27,11 @@ mat3 scan_frame(vec3 n)
     vec2 size = vec2(textureSize(df_angle, 0));
     float turn = texelFetch(df_angle, ivec2(min(fract(world_uv) * size, size - 1.0)), 0).r;
     float angle = TWO_PI * turn + df_surface.rotation.w;
+    c = cos(angle);
+    s = sin(angle);
+#endif
+#ifdef PAINTED
+    float angle = painted_here().b + df_surface.rotation.w;
     c = cos(angle);
     s = sin(angle);
 #endif
@@ -52,6 +65,14 @@ void main()
 #endif
 
     vec3 light = vec3(0.0), pigment = vec3(0.0);
+    float mask = df_surface.rotation.z;
+#ifdef PAINTED
+    vec4 paint = painted_here();
+    scaled_here = vec2(paint.r >= SCALE_LEAST ? paint.r : SCALE_LEAST, paint.g >= SCALE_LEAST ? paint.g : SCALE_LEAST);
+    mask = clamp(paint.a, 0.0, 1.0);
+#elif defined(SCALED)
+    scaled_here = vec2(df_surface.texel.w, df_surface.fresnel.x);
+#endif
     mat3 frame = scan_frame(n);
     vec3 wr = to_viewer * frame;  // its components along t, b, n
     float albedo_r = 1.0;
@@ -89,14 +110,14 @@ void main()
     if (diffracts)
         light += sky_light(frame, wr, albedo_r);
 #endif
-    light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
+    light = diffracts ? light * (mask * df_surface.fresnel.w) : vec3(0.0);
 #ifdef REPLACE
     vec3 around = df_frame.ambient.rgb;
 #ifdef SKYLIT
     around += sky_radiance(front ? n : -n, PI);
 #endif
     pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + around);
-    light += (vec3(1.0) - kept_from_below(abs(cos_r))) * pigment;
+    light += (vec3(1.0) - mask * kept_from_below(abs(cos_r))) * pigment;
 #endif
     out_colour = vec4(displayed(light), 1.0);
 }
