@@ -135,13 +135,11 @@ def build(out):
     """The scene."""
     scene = stage.empty_room(out / "stuff.blend", (0.035, 0.038, 0.043))
     stage.table_top(2.0, stage.plain("Slate", (0.006, 0.006, 0.007), 0.35))
-    wings = butterfly((-0.030, 0.030, 0.006), (math.radians(16.0), math.radians(0.0), math.radians(14.0)))
-    cases = beetle((0.048, -0.030, 0.0), (0.0, 0.0, math.radians(-58.0)))
+    wings = butterfly((-0.034, 0.024, 0.006), (math.radians(16.0), math.radians(0.0), math.radians(14.0)))
+    cases = beetle((0.044, -0.032, 0.0), (0.0, 0.0, math.radians(-58.0)))
     band = ring((0.004, -0.040, 0.0118), (math.radians(90.0), 0.0, math.radians(64.0)))
-    gold = leaf((-0.074, -0.034, 0.0), (0.0, 0.0, math.radians(20.0)))
-    copper = plate(
-        "Copper", (0.015, 0.020), (0.066, 0.030, 0.006), (math.radians(14.0), math.radians(-6.0), math.radians(62.0))
-    )
+    gold = leaf((-0.070, -0.036, 0.0), (0.0, 0.0, math.radians(20.0)))
+    copper = plate("Copper", (0.015, 0.020), (0.060, 0.022, 0.0008), (0.0, 0.0, math.radians(66.0)))
     oil = plate("Oily", (0.022, 0.015), (-0.028, -0.062, 0.0008), (0.0, 0.0, math.radians(8.0)))
     looks(wings, "morpho")
     tree = wings[0].active_material.node_tree
@@ -155,8 +153,10 @@ def build(out):
     looks([oil], "oily_plate")
     stage.softbox("Window", (-0.30, 0.25, 0.42), (0.0, 0.0, 0.0), (0.30, 0.16), 1.1, (0.92, 0.96, 1.0))
     stage.softbox("Card", (0.42, 0.05, 0.20), (0.02, 0.0, 0.0), (0.10, 0.26), 0.5, (1.0, 0.93, 0.86))
+    stage.softbox("Strip", (0.09, 0.30, 0.17), (0.03, 0.0, 0.0), (0.20, 0.035), 0.35)
     stage.bulb("Bulb", (0.10, 0.30, 0.34), 0.9, 0.008)
-    stage.camera((0.01, -0.245, 0.185), (0.0, -0.008, 0.006), 47)
+    stage.camera((0.01, -0.245, 0.185), (-0.004, 0.002, 0.006), 45)
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
+    scene.view_settings.exposure = 0.5
     scene.cycles.sample_clamp_indirect = 1.0
