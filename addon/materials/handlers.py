@@ -55,9 +55,7 @@ def update_lights(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None 
         _quick[scene.as_pointer()] = _quick_look()
         _looks.update({scene.as_pointer(): _look(scene), 0: _glow()})
         _written.discard(scene.as_pointer())
-        _glowing[scene.as_pointer()] = {
-            source.key[0][1] for source in (*found.chosen, *found.left_out) if _glows(source)
-        }
+        _glowing[scene.as_pointer()] = {_glowing_mesh(source) for source in (*found.chosen, *found.left_out)}
         if any(source.is_written for source in found.chosen):
             _written.add(scene.as_pointer())
         _say(scene, gather.too_many(found))
@@ -66,10 +64,10 @@ def update_lights(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None 
     return changed
 
 
-def _glows(source: Any) -> bool:
-    """Whether a source is a mesh of `emitters`."""
+def _glowing_mesh(source: Any) -> int:
+    """The object of a source that is a glowing mesh (`emitters`), 0 for others."""
     first = source.key[0]
-    return isinstance(first, tuple) and first[0] == "emitter"
+    return first[1] if isinstance(first, tuple) and first[0] == "emitter" else 0
 
 
 def update_all() -> None:
