@@ -118,12 +118,16 @@ class Desk:
         self._places = self.driver.sweep()
         return [text for text, _, _ in self._places]
 
-    def find(self, what):
-        """Where a button is: a part of its command or data path, which must not go on after it."""
-        pattern = re.escape(what) + r"(?![a-zA-Z_])"
+    def find(self, what, share=0.6):
+        """Where a button is: a part of its command or data path, which must not go on after it, or a
+        pattern.
+
+        `share` of the sidebar's width is where it is looked for: small buttons stand on the right.
+        """
+        pattern = what.pattern if isinstance(what, re.Pattern) else re.escape(what) + r"(?![a-zA-Z_])"
         near = next((place for text, *place in self._places if re.search(pattern, text)), None)
         for tries in range(7):
-            found = self.driver.sweep(begin=near[1] if near else None, until=pattern)
+            found = self.driver.sweep(begin=near[1] if near else None, until=pattern, share=share)
             self._remember(found)
             if found and re.search(pattern, found[-1][0]):
                 place = tuple(found[-1][1:])
@@ -149,9 +153,9 @@ class Desk:
             self.run(f"send({kind!r}, 'PRESS', {x}, {y})")
         time.sleep(0.3)
 
-    def press(self, what, wait=True):
+    def press(self, what, wait=True, share=0.6):
         """A click on a button of the sidebar; waits until what it started has ended."""
-        self.driver.click(*self.find(what))
+        self.driver.click(*self.find(what, share))
         time.sleep(0.2)
         if wait:
             self.wait()
@@ -245,14 +249,21 @@ for each in list(bpy.context.window_manager.windows)[1:]:
                 self.settle()
         raise AssertionError(f"The panel {name} did not open")
 
-    def picture(self, name, number=0):
-        """What the 3-D view shows, as rows of RGB from the top; kept for people too."""
+    def keep_picture(self, name, picture):
+        """Rows of RGB from the top, for people."""
+        import numpy as np
+        from PIL import Image
+
+        Image.fromarray((255.0 * picture + 0.5).astype(np.uint8)).save(self._pictures / f"{name}.png")
+
+    def picture(self, name, region="WINDOW", number=0):
+        """What the 3-D view or another of its regions shows, as rows of RGB from the top; kept for people too."""
         import numpy as np
         from PIL import Image
 
         self.settle()
         self.shot(name)
-        x, y, width, height = self.look(f"rectangle('VIEW_3D', 'WINDOW', {number})")
+        x, y, width, height = self.look(f"rectangle('VIEW_3D', {region!r}, {number})")
         screen = np.asarray(Image.open(self._pictures / f"{name}.png").convert("RGB"), float) / 255.0
         top = self.driver.top(screen.shape[0]) - (y + height)
         return screen[top : top + height, x : x + width]

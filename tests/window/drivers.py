@@ -140,9 +140,9 @@ class Simulated:
         self.run("\n".join(lines))
         self.turn()
 
-    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until="", share=0.6):
         """What lies in a region: commands and data paths with their places, till one matches a pattern."""
-        self.run(f"sweep({kind!r}, {name!r}, {number}, {begin}, {until!r})")
+        self.run(f"sweep({kind!r}, {name!r}, {number}, {begin}, {until!r}, {share})")
         deadline = time.monotonic() + 60.0
         while not (found := self.run("swept()")):
             assert time.monotonic() < deadline
@@ -239,9 +239,11 @@ class Rig:
     def type(self, text):
         self._x("type", text)
 
-    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until="", share=0.6):
         found = []
-        for x, y in json.loads(self.run(f"print(json.dumps(places({kind!r}, {name!r}, {number}, {begin})))")):
+        for x, y in json.loads(
+            self.run(f"print(json.dumps(places({kind!r}, {name!r}, {number}, {begin}, share={share})))")
+        ):
             self.point(x, y)
             text = self.run(f"print(under({kind!r}, {name!r}, {number}))")
             if text:

@@ -85,11 +85,10 @@ def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.6):
     return [(left + int(width * share), y) for y in rows]
 
 
-def sweep(kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+def sweep(kind="VIEW_3D", name="UI", number=0, begin=None, until="", share=0.6):
     """Point at a region, till something is found whose text matches a pattern; `swept` tells what was."""
-    _sweep.update(
-        todo=places(kind, name, number, begin), at=None, found=[], where=(kind, name, number), until=until, waits=0
-    )  # fmt: skip
+    todo = places(kind, name, number, begin, share=share)
+    _sweep.update(todo=todo, at=None, found=[], where=(kind, name, number), until=until, waits=0)
     bpy.app.timers.register(_sweep_on, first_interval=0.01)
 
 
@@ -151,3 +150,40 @@ def addon(name):
 def busy():
     """Whether the extension computes something."""
     return addon("jobs.progress").running() is not None
+
+
+def _sidebar():
+    """Our panels of the sidebar, parents first."""
+    classes = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("DIFFRACTION_PT_")]
+    classes = [each for each in classes if each.bl_space_type == "VIEW_3D"]
+
+    def depth(each):
+        parent = getattr(each, "bl_parent_id", "")
+        return 0 if not parent else 1 + depth(getattr(bpy.types, parent))
+
+    return sorted(classes, key=depth)
+
+
+_all_panels = []
+
+
+def show_only(names):
+    """Leave only some panels, by the ends of their names, and open; `show_all` brings the others back."""
+    if not _all_panels:
+        _all_panels[:] = [(each, getattr(each, "bl_options", None)) for each in _sidebar()]
+    for each in reversed(_sidebar()):
+        bpy.utils.unregister_class(each)
+    for each, _ in _all_panels:
+        if each.__name__.removeprefix("DIFFRACTION_PT_") in names:
+            each.bl_options = set()
+            bpy.utils.register_class(each)
+
+
+def show_all():
+    """All panels as they were."""
+    for each in reversed(_sidebar()):
+        bpy.utils.unregister_class(each)
+    for each, options in _all_panels:
+        each.bl_options = options or set()
+        bpy.utils.register_class(each)
+    _all_panels.clear()
