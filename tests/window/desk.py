@@ -54,8 +54,9 @@ class Desk:
 
     def settle(self):
         """Until what was asked for has been drawn."""
-        time.sleep(0.8)
-        self.run("0")
+        time.sleep(0.3)
+        for _ in range(3):
+            self.driver.turn()
 
     def over_view(self):
         """The mouse over the 3-D view, where its keys go."""
@@ -84,7 +85,7 @@ class Desk:
         x, y, width, height = self.look(f"rectangle('FILE_BROWSER', 'WINDOW', {windows})")
         self.driver.point(x + width // 2, y + height // 2, windows)
         if path is None:
-            self.driver.key("ESC", windows)
+            self.driver.key("ESC", number=windows)
         else:
             for name, value in options.items():
                 self.run(f"{active}.{name} = {value!r}")
@@ -149,9 +150,8 @@ class Desk:
         x, y = left + width // 3, bottom + height // 2
         self.driver.point(x, y)
         kind = "WHEELUPMOUSE" if clicks > 0 else "WHEELDOWNMOUSE"
-        for _ in range(abs(clicks)):
-            self.run(f"send({kind!r}, 'PRESS', {x}, {y})")
-        time.sleep(0.3)
+        self.run(f"for _ in range({abs(clicks)}): send({kind!r}, 'PRESS', {x}, {y})")
+        self.driver.turn()
 
     def press(self, what, wait=True, share=0.6):
         """A click on a button of the sidebar; waits until what it started has ended."""
@@ -187,10 +187,7 @@ class Desk:
         items = self.look(f"[i.identifier for i in {owner}.bl_rna.properties['{name}'].enum_items]")
         self.driver.click(*self.find(f".{name}"))
         time.sleep(0.3)
-        self.driver.key("HOME")
-        for _ in range(items.index(identifier)):
-            self.driver.key("DOWN_ARROW")
-        self.driver.key("RET")
+        self.driver.key("HOME", *["DOWN_ARROW"] * items.index(identifier), "RET")
         time.sleep(0.3)
         assert self.look(f"{owner}.{name}") == identifier
 

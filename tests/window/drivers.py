@@ -92,8 +92,7 @@ class Simulated:
 
     def turn(self):
         """Until Blender's loop has gone round: what was sent has been handled and drawn."""
-        for _ in range(2):
-            self.run("0")
+        self.run("0")
 
     def point(self, x, y, number=0):
         """Move the mouse; pixels of the window, y upwards."""
@@ -104,9 +103,8 @@ class Simulated:
     def click(self, x, y, number=0):
         """A click of the left button."""
         self.point(x, y, number)
-        for value in ("PRESS", "RELEASE"):
-            self.run(f"send('LEFTMOUSE', '{value}', {x}, {y}, {number})")
-            self.turn()
+        self.run("\n".join(f"send('LEFTMOUSE', '{value}', {x}, {y}, {number})" for value in ("PRESS", "RELEASE")))
+        self.turn()
 
     def drag(self, begin, end, number=0, steps=8):
         """Press the left button at one place and let it go at another."""
@@ -121,11 +119,11 @@ class Simulated:
         """The row of a screenshot, from its top, where the window's y is 0."""
         return int(self.run("print(window().height)"))
 
-    def key(self, name, number=0, **modifiers):
-        """A key by Blender's name, over the place where the mouse is."""
-        for value in ("PRESS", "RELEASE"):
-            self.run(f"send('{name}', '{value}', {self._at[0]}, {self._at[1]}, {number}, **{modifiers})")
-            self.turn()
+    def key(self, *names, number=0, **modifiers):
+        """Keys by Blender's names, over the place where the mouse is."""
+        place = f"{self._at[0]}, {self._at[1]}, {number}, **{modifiers}"
+        self.run("\n".join(f"send('{name}', '{v}', {place})" for name in names for v in ("PRESS", "RELEASE")))
+        self.turn()
 
     def type(self, text):
         """Characters into a field that is being edited."""
@@ -232,9 +230,9 @@ class Rig:
     def top(self, height):
         return height - self._bottom()
 
-    def key(self, name, number=0, **modifiers):
-        word = _XDOTOOL.get(name, name.lower())
-        self._x("key", "+".join([*(m for m, on in modifiers.items() if on), word]))
+    def key(self, *names, number=0, **modifiers):
+        words = [_XDOTOOL.get(name, name.lower()) for name in names]
+        self._x("key", *("+".join([*(m for m, on in modifiers.items() if on), word]) for word in words))
 
     def type(self, text):
         self._x("type", text)
