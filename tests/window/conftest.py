@@ -72,7 +72,7 @@ def desk(work):
         pytest.skip(SKIPPED)
     pictures = ROOT / "out" / "window"
     pictures.mkdir(parents=True, exist_ok=True)
-    for old in () if os.environ.get("KEEP") else pictures.glob("failed_*"):
+    for old in pictures.glob("failed_*"):
         old.unlink()
     try:
         yield Desk(driver, work, pictures)

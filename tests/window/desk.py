@@ -6,8 +6,8 @@ import math
 import re
 import time
 
-#: How Blender logs what an operator reports.
-_REPORT = re.compile(r"^[0-9:.]+ +operator +\| ")
+#: How Blender logs what an operator reports, and which files it reads.
+_REPORT = re.compile(r"^[0-9:.]+ +(operator +\| |blend +\| Read blend)")
 
 STATE = "bpy.context.scene.diffraction"
 

@@ -110,8 +110,10 @@ class Simulated:
         """Press the left button at one place and let it go at another."""
         self.point(*begin, number)
         self.run(f"send('LEFTMOUSE', 'PRESS', {begin[0]}, {begin[1]}, {number})")
-        for step in range(1, steps + 1):
-            self.point(*(int(a + (b - a) * step / steps) for a, b in zip(begin, end, strict=True)), number)
+        self.turn()
+        # A drag begins with short moves from where the button went down.
+        for share in (0.01, 0.02, 0.03, *(step / steps for step in range(1, steps + 1))):
+            self.point(*(round(a + (b - a) * share) for a, b in zip(begin, end, strict=True)), number)
         self.run(f"send('LEFTMOUSE', 'RELEASE', {end[0]}, {end[1]}, {number})")
         self.turn()
 

@@ -164,26 +164,28 @@ def _sidebar():
     return sorted(classes, key=depth)
 
 
-_all_panels = []
+_hidden, _copies = [], []
 
 
 def show_only(names):
     """Leave only some panels, by the ends of their names, and open; `show_all` brings the others back."""
-    if not _all_panels:
-        _all_panels[:] = [(each, getattr(each, "bl_options", None)) for each in _sidebar()]
-    for each in reversed(_sidebar()):
+    _hidden[:] = _sidebar()
+    for each in reversed(_hidden):
         bpy.utils.unregister_class(each)
-    for each, _ in _all_panels:
+    for each in _hidden:
         if each.__name__.removeprefix("DIFFRACTION_PT_") in names:
-            each.bl_options = set()
-            bpy.utils.register_class(each)
+            # Under another name, since Blender remembers by name which panels were closed.
+            changes = {"bl_options": set()}
+            if hasattr(each, "bl_parent_id"):
+                changes["bl_parent_id"] = each.bl_parent_id + "_guide"
+            _copies.append(type(each.__name__ + "_guide", (each,), changes))
+            bpy.utils.register_class(_copies[-1])
 
 
 def show_all():
     """All panels as they were."""
-    for each in reversed(_sidebar()):
+    for each in reversed(_copies):
         bpy.utils.unregister_class(each)
-    for each, options in _all_panels:
-        each.bl_options = options or set()
+    for each in _hidden:
         bpy.utils.register_class(each)
-    _all_panels.clear()
+    _copies.clear()

@@ -33,7 +33,8 @@ with within('VIEW_3D', 'WINDOW'):
 light = bpy.data.objects['Light'].data
 light.type, light.energy = 'SUN', 4.0
 overlay = area().spaces.active.overlay
-overlay.show_floor = overlay.show_axis_x = overlay.show_axis_y = False
+area().spaces.active.region_3d.view_distance = 13
+overlay.show_extras = overlay.show_floor = overlay.show_axis_x = overlay.show_axis_y = False
 """)
     enabled.console()
     return enabled
@@ -50,7 +51,7 @@ def test_panel(ball, stage):
     ball.run(f"show_only(['main', {stage!r}, *{STAGES[stage]!r}])")
     try:
         ball.open_sidebar()
-        assert f"DIFFRACTION_PT_{stage}" in ball.open_panels()
+        assert f"DIFFRACTION_PT_{stage}_guide" in ball.open_panels()
         picture = ball.picture(f"guide_{stage}", region="UI")
     finally:
         ball.run("show_all()")

@@ -81,6 +81,7 @@ def test_clipping_region_by_alt_b(surface):
     surface.drag((x + 20, y + 20), (middle, y + height - 20))
     clipped = drawn(surface, "33_clipped") > 0.05
     assert surface.look(f"{VIEW}.region_3d.use_clip_planes")
+    surface.over_view()
     surface.driver.key("B", alt=True)
     surface.settle()
     assert whole[:, width // 2 + 8 :].any()
