@@ -91,13 +91,12 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
     rows
         Of the matrix from XYZ to the working space.
     """
-    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
-    graph.put(engine.inputs[0], white.outputs[0])
+    eevee = graph.in_eevee()
     geometry = graph.add("ShaderNodeNewGeometry")
     viewer, normal = geometry.outputs["Incoming"], given["Normal"]
     has_normal = graph.math("GREATER_THAN", graph.scalar("LENGTH", normal), 0.0)
     n = graph.vector("NORMALIZE", graph.mix(has_normal, geometry.outputs["Normal"], normal))
-    t, b = _frame(graph, given, n, engine.outputs[0])
+    t, b = _frame(graph, given, n, eevee)
     cos_r = graph.scalar("DOT_PRODUCT", n, viewer)
     # 0 where the viewer is below the surface: the factor that `value` leaves out.
     front = graph.product(graph.math("GREATER_THAN", cos_r, 0.0), graph.difference(1.0, geometry.outputs["Backfacing"]))
@@ -108,7 +107,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
     albedo_r: Value = 1.0
     if parts.albedo is not None:
         against = {"AgainstT": graph.product(wr_x, -1.0), "AgainstB": graph.product(wr_y, -1.0)}
-        found = graph.group(parts.albedo, Cosine=cos_r, EEVEE=engine.outputs[0], **against).outputs["Albedo"]
+        found = graph.group(parts.albedo, Cosine=cos_r, EEVEE=eevee, **against).outputs["Albedo"]
         albedo_r = graph.math("MAXIMUM", found, 1.0)
     return {
         "T": t, "B": b, "N": n, "Viewer": viewer, "Position": geometry.outputs["Position"], "CosR": cos_r,
@@ -118,8 +117,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
         "Limit": graph.choose(is_diffuse, 1e20, given["DiffuseLimit"]), "Cone": given["Cone"],
         **dict(zip(("Red", "Green", "Blue"), rows, strict=True)),
         "R0": graph.product(root, root), "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
-        # 1 in EEVEE; Cycles does not know Shader to RGB, takes what is linked to it for 0 and drops what follows
-        "EEVEE": engine.outputs[0],
+        "EEVEE": eevee,
     }  # fmt: skip
 
 
