@@ -160,8 +160,11 @@ class Renderer:
             return 0
         around = around if around is not None else surroundings.of_world(depsgraph.scene.original.world)
         # An operator can wait for what a drawing must not stop for.
-        sky = self.skies.texture(around.sky, wait=not through_display) if around.sky is not None else None
+        lit = self.skies.get(around.sky, wait=not through_display) if around.sky is not None else None
+        sky = lit.texture if lit is not None else None
         rows = listing.lamps if around.lamps else listing.lamps[:0]
+        if lit is not None and around.sky is not None:
+            rows = np.concatenate([rows, lamps.sun_rows(lit.suns, around.sky)])[: lamps.LAMPS_MAX]
         if view.lights == "STUDIO" or (not len(rows) and around.sky is None and around.lamps):
             rows = lamps.studio_rows(view_matrix)
         exposure = depsgraph.scene.original.view_settings.exposure
