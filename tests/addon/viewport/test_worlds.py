@@ -9,6 +9,7 @@ import pytest
 
 from tests.support.blender import drawing, extension, materials, scenes, tables
 from tests.support.blender.lamps import add_lamp
+from tests.support.blender.worlds import picture, picture_world
 
 
 @pytest.fixture
@@ -35,14 +36,6 @@ def middle(size):
     return np.hypot(x, y) < 0.8 * size / 2.2
 
 
-def picture(rgb):
-    """An image data-block of linear colours."""
-    image = bpy.data.images.new("sky", rgb.shape[1], rgb.shape[0], float_buffer=True)
-    image.pixels.foreach_set(np.concatenate([rgb, np.ones_like(rgb[..., :1])], -1).astype(np.float32).ravel())
-    image.pack()
-    return image
-
-
 def test_a_world_of_many_nodes(renderer, ball, monkeypatch):
     """What the camera alone sees lights nothing; what is mixed for all other rays does, as the plain colour does."""
     from diffraction_shader.addon.viewport.data import panorama
@@ -57,9 +50,7 @@ def test_a_world_of_many_nodes(renderer, ball, monkeypatch):
     tree.links.new(mix.outputs[0], tree.nodes["World Output"].inputs["Surface"])
     mixed = drawing.alone(renderer, 32, points=16)[middle(32)]
     bpy.context.scene.world = None
-    tree, rgb = world("TexEnvironment")
-    rgb.image = picture(np.full((16, 32, 3), (0.2, 0.5, 0.7)))
-    tree.links.new(rgb.outputs[0], tree.nodes["Background"].inputs["Color"])
+    picture_world(np.full((16, 32, 3), (0.2, 0.5, 0.7)))
     plain = drawing.alone(renderer, 32, points=16)[middle(32)]
     assert mixed.min() > 0.01
     assert mixed == pytest.approx(plain, rel=2e-3)
@@ -136,10 +127,8 @@ def test_a_bright_spot_shines_as_a_sun(renderer, ball):
     """An image with a small bright disc: the same as the image without it and a sun of its irradiance."""
     rgb = np.full((128, 256, 3), 0.2)
     rgb[96:98, 60:63] = (900.0, 700.0, 500.0)
-    tree, node = world("TexEnvironment")
-    node.image = picture(rgb)
-    tree.links.new(node.outputs[0], tree.nodes["Background"].inputs["Color"])
-    tree.nodes["Background"].inputs["Strength"].default_value = 2.0
+    node = picture_world(rgb)
+    node.id_data.nodes["Background"].inputs["Strength"].default_value = 2.0
     with_spot = drawing.alone(renderer, 32, points=16)[middle(32)]
     (lit,) = renderer.skies._held.values()
     ((x, y, z, red, green, blue, radius),) = lit.suns
