@@ -196,7 +196,14 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
 
     # EEVEE knows no OSL: there the pigment shows.
     out = graph.add("NodeGroupOutput")
-    choice: list[Any] = nodes_twin.by_engine(graph, script.outputs["BSDF"], given.outputs["Base"])
+    # Nor does Cycles without Open Shading Language, which then takes the factor's own value 0.
+    runs: Any = graph.add("ShaderNodeMixShader", label="OSL runs")
+    runs.inputs[0].default_value = 0.0
+    for socket, value in zip(
+        runs.inputs, (script.outputs["Runs"], given.outputs["Base"], script.outputs["BSDF"]), strict=True
+    ):
+        tree.links.new(value, socket)
+    choice: list[Any] = [runs, *nodes_twin.by_engine(graph, runs.outputs[0], given.outputs["Base"])]
     tree.links.new(choice[-1].outputs[0], out.inputs[interface.OUTPUT])
 
     given.location, script.location, out.location = (-300.0, 0.0), (300.0, 0.0), (900.0, 0.0)
@@ -211,7 +218,7 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
            [row.node for row in rows] + ([] if own is not None else [number.node]))  # fmt: skip
     _frame(tree, "Lamps of the scene", lights)
     _frame(tree, "Table", [script])
-    _frame(tree, "Pigment in EEVEE", choice)
+    _frame(tree, "Pigment in EEVEE and without OSL", choice)
 
 
 def _uv_frame(tree: bpy.types.NodeTree, script: bpy.types.Node) -> list[bpy.types.Node]:
