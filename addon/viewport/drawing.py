@@ -15,7 +15,7 @@ import numpy as np
 from ...precompute.errors import DiffractionError
 from ..materials import material
 from . import items, lamps, looks, surroundings
-from .data import blocks, orientation, sources
+from .data import blocks, masks, orientation, sources
 from .data.batches import Meshes
 from .data.directions import Directions
 from .data.display import Display
@@ -234,6 +234,9 @@ class Renderer:
         turned = orientation.angle_image(shaded)
         if turned is not None:
             shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
+        mask = masks.of(shaded)
+        if mask.image is not None:
+            shader.uniform_sampler("df_mask", gpu.texture.from_image(mask.image))
         if view.method == "FLSS":
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)

@@ -17,7 +17,7 @@ from ..colour_spaces import working_space
 from ..materials import material
 from ..materials import pigment as pigments
 from ..materials.osl import FRESNEL
-from .data import orientation
+from .data import masks, orientation
 from .data.blocks import Surface
 
 
@@ -72,9 +72,15 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
         rotation=float(value("Rotation", 0.0)),
         environment=bool(value("Environment", 0)),
         brightness=float(value("Brightness", 1.0)) * view.brightness,
+        lacquer_roughness=float(value("LacquerRoughness", 0.05)),
     )
     if layout.holds_reflectance:
         look.kept = np.clip(np.array(info["reflectance_xyz"], float) @ look.to_rgb.T, 0.0, 1.0)
+    mask = masks.of(shaded)
+    look.mask, look.mask_image, look.mask_alpha = (mask.constant, mask.factor), mask.image is not None, mask.alpha
+    base = node.inputs.get("Base") if node is not None else None
+    if (look.mask_image or mask.constant < 1.0) and base is not None:
+        look.cutout = pigments.sees_through(base)
     turned = orientation.angle_image(shaded)
     if turned is not None:
         look.angle_image, look.rotation = True, turned[1]

@@ -129,6 +129,14 @@ class Surface:
         Factor on the diffracted light.
     pigment
         Albedo of the surface underneath; None adds the diffraction to what is already drawn.
+    lacquer_roughness
+        Of the outer face of a table's lacquer.
+    mask
+        Constant and factor of the mask, see `masks.Mask`.
+    mask_image, mask_alpha
+        Whether an image is multiplied by that factor, and whether its alpha.
+    cutout
+        Whether the surface ends where the mask falls below a half.
     kept
         ``(KEPT, 3)`` RGB that the table's stuff keeps from the pigment, for even steps of the angle; None: by Fresnel.
     """
@@ -145,6 +153,11 @@ class Surface:
     brightness: float = 1.0
     pigment: tuple[float, float, float] | None = None
     kept: np.ndarray | None = None
+    lacquer_roughness: float = 0.05
+    mask: tuple[float, float] = (1.0, 0.0)
+    mask_image: bool = False
+    mask_alpha: bool = False
+    cutout: bool = False
     layout: TableLayout = field(kw_only=True)
 
     def rows(self) -> np.ndarray:
@@ -156,14 +169,15 @@ class Surface:
         rows[2, :2] = layout.scale, layout.power
         rows[3, :3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 0.5 * (ALBEDO_SIDE - 1) / ALBEDO_SIDE
         rows[4:7, :3] = self.to_rgb
-        rows[7] = 0.0, self.ior, 0.0, self.brightness
+        rows[7] = self.mask[0], self.ior, self.mask[1], self.brightness
         rows[8, :3], rows[9, :3] = self.conductor_n, self.conductor_k
-        rows[10] = np.cos(self.rotation), np.sin(self.rotation), 0.0, self.rotation
+        rows[10] = np.cos(self.rotation), np.sin(self.rotation), float(self.mask_alpha), self.rotation
         if self.pigment is not None:
             rows[11, :3] = self.pigment
         if self.kept is not None:
             rows[12:, :3] = self.kept
         rows[12, 3] = layout.index
+        rows[13, 3] = max(self.lacquer_roughness, 0.1) ** 2  # narrower lobes than that slip between the pixels
         return rows
 
     def flags(self, ambient: bool) -> set[str]:
@@ -178,6 +192,8 @@ class Surface:
             "TURNED": self.angle_image,
             "AMBIENT": ambient and self.environment,
             "REPLACE": self.pigment is not None,
+            "MASKED": self.mask_image,
+            "CUTOUT": self.cutout and self.pigment is not None,
         }
         return flags | {name for name, wanted in chosen.items() if wanted}
 

@@ -57,6 +57,8 @@ FLAGS = (
     "DISPLAY",  # colours pass through the view transform
     "REPLACE",  # draws the pigment too
     "TURNED",  # an image of angles
+    "MASKED",  # an image says where the structure is
+    "CUTOUT",  # where it is not, there is no surface
     "CONSERVE",  # f is divided by the albedo where that passes 1
     "LINEAR_IN_W",  # of the table's factor |w|^power: the power is 1
     "DIELECTRIC",
@@ -121,6 +123,11 @@ def surface(method: str, flags: frozenset[str]) -> Any:
         info.sampler(2, "FLOAT_3D", "df_display")
     if "TURNED" in flags:
         info.sampler(4, "FLOAT_2D", "df_angle")
+    if "MASKED" in flags:
+        info.sampler(7, "FLOAT_2D", "df_mask")
+    pictured = bool(flags & {"TURNED", "MASKED"})
+    if pictured:
+        info.define("PICTURED", "1")
     if "SKYLIT" in flags:
         info.sampler(5, "FLOAT_2D", "df_sky")
         info.define("SKY_SIDE", f"{SKY_SIDE}.0")
@@ -129,13 +136,13 @@ def surface(method: str, flags: frozenset[str]) -> Any:
         _add_densities(info)
     info.push_constant("MAT4", "df_model")
     for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
-        if name != "uv" or "TURNED" in flags:
+        if name != "uv" or pictured:
             info.vertex_in(slot, kind, name)
     between = gpu.types.GPUStageInterfaceInfo("diffraction_surface")
     between.smooth("VEC3", "world_place")
     between.smooth("VEC3", "world_normal")
     between.smooth("VEC4", "world_tangent")
-    if "TURNED" in flags:
+    if pictured:
         between.smooth("VEC2", "world_uv")
     info.vertex_out(between)
     info.vertex_source(_text("surface_vertex.glsl"))
