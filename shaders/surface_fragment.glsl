@@ -134,7 +134,7 @@ void main()
 #ifdef REPLACE
     vec3 around = df_frame.ambient.rgb;
 #ifdef SKYLIT
-    around += sky_radiance(front ? n : -n, PI);
+    around += sky_diffuse(front ? n : -n);
 #endif
     pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + around);
     light += (vec3(1.0) - mask * kept_from_below(abs(cos_r))) * pigment;

@@ -22,7 +22,7 @@ from . import panorama
 from .blocks import buffer
 from .display import redraw
 from .panorama import Panorama
-from .sources import SKY_LEVELS, SKY_SIDE
+from .sources import DIFFUSE_CORNER, DIFFUSE_SIDE, SKY_LEVELS, SKY_SIDE
 
 #: Width of an image after it was reduced by whole factors: steps of a third of a degree.
 _WIDTH = 1024
@@ -138,9 +138,14 @@ def atlas_size() -> tuple[int, int]:
 
 
 def atlas(squares: list[np.ndarray]) -> np.ndarray:
-    """``(height, width, 4)``: the first level on the left, the others above one another on its right."""
+    """``(height, width, 4)``: the first level on the left, the others above one another on its right.
+
+    Beside the third, which leaves room there, lies what a diffuse surface sees.
+    """
     width, height = atlas_size()
     texels = np.zeros((height, width, 4), np.float32)
+    x, y = DIFFUSE_CORNER
+    texels[y : y + DIFFUSE_SIDE + 2, x : x + DIFFUSE_SIDE + 2, :3] = _bordered(diffuse(squares))
     y = 0
     for level, square in enumerate(squares):
         side = len(square)
@@ -148,6 +153,16 @@ def atlas(squares: list[np.ndarray]) -> np.ndarray:
         texels[y : y + side + 2, x : x + side + 2, :3] = _bordered(square)
         y = 0 if level == 0 else y + side + 2
     return np.minimum(texels, 6e4)  # of half floats
+
+
+def diffuse(squares: list[np.ndarray]) -> np.ndarray:
+    """Square ``(DIFFUSE_SIDE, DIFFUSE_SIDE, 3)``: irradiance over pi of a surface that faces each direction."""
+    coarse = next(square for square in squares if len(square) == DIFFUSE_SIDE)
+    towards = square_directions(DIFFUSE_SIDE).reshape(-1, 3)
+    cosines = np.maximum(towards @ towards.T, 0.0).astype(np.float32)
+    # Of even radiance it is that radiance, whatever the texels' number.
+    light = cosines @ coarse.reshape(-1, 3) / cosines.sum(-1, keepdims=True)
+    return light.reshape(coarse.shape)
 
 
 def _bordered(square: np.ndarray) -> np.ndarray:

@@ -43,6 +43,11 @@ _DENSITIES = {
 SKY_SIDE = 512
 SKY_LEVELS = 9
 
+#: Side of the square that says what diffuse surfaces see, the same as of one of the levels, and where it begins with
+#: its border in the image: column and row, beside the third level.
+DIFFUSE_SIDE = 32
+DIFFUSE_CORNER = SKY_SIDE + SKY_SIDE // 4 + 4, SKY_SIDE // 2 + 2
+
 #: Angles of view, even steps from 0 to 90 degrees, at which a surface tells what it keeps from the pigment below.
 KEPT = 19
 
@@ -132,6 +137,7 @@ def surface(method: str, flags: frozenset[str]) -> Any:
         info.sampler(5, "FLOAT_2D", "df_sky")
         info.define("SKY_SIDE", f"{SKY_SIDE}.0")
         info.define("SKY_LEVELS", f"{SKY_LEVELS}.0")
+        info.define("SKY_DIFFUSE", "vec3({}.0, {}.0, {}.0)".format(*DIFFUSE_CORNER, DIFFUSE_SIDE))
     if any(name.startswith("SKY_") for name in flags):
         _add_densities(info)
     info.push_constant("MAT4", "df_model")

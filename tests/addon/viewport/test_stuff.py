@@ -19,7 +19,7 @@ SIZE, SUN = 64, np.array((0.5, 0.3, 2.0)) / np.linalg.norm((0.5, 0.3, 2.0))
 
 
 def ggx_cos(wi, wr, alpha):
-    """GGX lobe times cos_i by Walter et al. (2007), eq. 20, 33 and 34, with Smith's correlated masking (Heitz, 2014)."""
+    """GGX lobe times cos_i by Walter et al. (2007), eq. 33, with Smith's correlated masking (Heitz, 2014)."""
     h = wi + wr
     h /= np.linalg.norm(h, axis=-1, keepdims=True)
     tan2 = 1.0 / h[..., 2] ** 2 - 1.0
