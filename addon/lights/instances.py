@@ -29,21 +29,21 @@ def possible(scene: bpy.types.Scene) -> bool:
     return False
 
 
-def made(depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.DepsgraphObjectInstance]:
-    """Instances that are lamps; those of collections that empties show are lamps of the scene's and left out."""
-    for instance in depsgraph.object_instances:
-        if not instance.is_instance or instance.object.type != "LIGHT":
-            continue
-        parent = instance.parent
-        if parent is None or (parent.type == "EMPTY" and parent.instance_type == "COLLECTION"):
-            continue
-        if not lamps.is_portal(instance.object.data) and not instance.object.original.hide_render:
-            yield instance
+def is_made_lamp(instance: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether an instance is a lamp; those of collections that empties show are lamps of the scene's and left out."""
+    if not instance.is_instance or instance.object.type != "LIGHT":
+        return False
+    parent = instance.parent
+    if parent is None or (parent.type == "EMPTY" and parent.instance_type == "COLLECTION"):
+        return False
+    return not lamps.is_portal(instance.object.data) and not instance.object.original.hide_render
 
 
 def sources(depsgraph: bpy.types.Depsgraph) -> Iterator[Source]:
     """Instanced lamps as they stand now."""
-    for instance in made(depsgraph):
+    for instance in depsgraph.object_instances:
+        if not is_made_lamp(instance):
+            continue
         ob, light, world = instance.object, instance.object.data, instance.matrix_world
         parent: Any = instance.parent
         kind = lamps.lamp_kind(light)

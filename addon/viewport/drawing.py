@@ -180,17 +180,18 @@ class Renderer:
         gpu.state.depth_mask_set(False)
         try:
             rows = self._uniform(("frame",), frame.rows())
-            bound = shader = None
-            facing = ""
+            shader: Any = None
+            bound, facing = 0, ""
+            replaces = view.surface == "REPLACE"
             for item in listing.items:
-                if shader is None or item.material != bound:
-                    bound = item.material
-                    shader = self._bind(bound, view, shared, any(around.ambient), sky, wait=not through_display)
+                if shader is None or item.uid != bound:
+                    bound = item.uid
+                    shader = self._bind(item.material, view, shared, any(around.ambient), sky, wait=not through_display)
                     shader.uniform_block("df_frame", rows)
                     if through_display:
                         shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
                 # Nothing is added to a surface's back.
-                culled = "NONE" if view.surface == "REPLACE" else "FRONT" if item.mirrored else "BACK"
+                culled = "NONE" if replaces else "FRONT" if item.mirrored else "BACK"
                 if culled != facing:
                     facing = culled
                     gpu.state.face_culling_set(culled)
@@ -262,12 +263,10 @@ class Renderer:
         listing = self._listings.get(key)
         if listing is None or listing.version != version:
             self._forget()
-            made = _Listing(
-                version,
-                items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m))),
-                lamps.scene_rows(depsgraph, visible),
-            )
-            listing = self._listings[key] = made
+            found, made = items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m)))
+            middle = found[len(found) // 2].matrix.translation if found else None
+            rows = lamps.scene_rows(depsgraph, visible, made, middle) if found else np.zeros((0, 6, 4), np.float32)
+            listing = self._listings[key] = _Listing(version, found, rows)
             while len(self._listings) > _LISTS:
                 self._listings.popitem(last=False)
             self._drop_unused()

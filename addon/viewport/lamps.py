@@ -4,34 +4,27 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterator, Sequence
 
 import bpy
 import numpy as np
-from mathutils import Matrix, Vector
+from mathutils import Vector
 
-from ..lights import emitters, instances
+from ..lights import emitters
 from ..lights import lamps as lights
 from ..materials.osl import LAMP_KINDS, LAMPS_MAX
 from .data.sky import Sky
+from .items import MadeLamp
 
 #: Directions (in the view's axes) and strengths of the lamps that stand in where a scene has none.
 _STUDIO = (((-0.4, 0.5, 0.75), 3.0), ((0.8, 0.25, 0.55), 1.5), ((0.1, -0.7, 0.7), 0.8))
 
 
-@dataclass(frozen=True)
-class _Made:
-    """A lamp that the depsgraph made, used like an object."""
-
-    name: str
-    data: Any
-    matrix_world: Matrix
-
-
 def scene_rows(
-    depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Object], bool], middle: Vector | None = None
+    depsgraph: bpy.types.Depsgraph,
+    visible: Callable[[bpy.types.Object], bool],
+    made: Sequence[MadeLamp] = (),
+    middle: Vector | None = None,
 ) -> np.ndarray:
     """``(n, 6, 4)`` rows of the scene's lamps, at most ``LAMPS_MAX``: the same as the scene's list has.
 
@@ -41,10 +34,12 @@ def scene_rows(
         Evaluated.
     visible
         Whether an original object (of a lamp in a collection that an empty shows: the empty) is to be drawn.
+    made
+        Lamps that the depsgraph made.
     middle
         Where what is lit stands: of too many lamps those stay that shine brightest there.
     """
-    found = [rows for rows in _all_rows(depsgraph, visible) if rows is not None]
+    found = [rows for rows in _all_rows(depsgraph, visible, made) if rows is not None]
     if len(found) > LAMPS_MAX:
         at = np.array(middle if middle is not None else (0.0, 0.0, 0.0))
         found.sort(key=lambda rows: -_irradiance(rows, at))
@@ -52,17 +47,13 @@ def scene_rows(
 
 
 def _all_rows(
-    depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Object], bool]
+    depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Object], bool], made: Sequence[MadeLamp]
 ) -> Iterator[np.ndarray | None]:
     scene = depsgraph.scene.original
     for lamp in lights.lamp_objects(scene):
         if visible(lamp.instancer if isinstance(lamp, lights.InstancedLamp) else lamp):
             yield lamp_rows(lamp.evaluated_get(depsgraph))
-    if instances.possible(scene):
-        for instance in instances.made(depsgraph):
-            if visible(instance.parent.original):
-                ob = instance.object
-                yield lamp_rows(_Made(ob.name, ob.data, instance.matrix_world.copy()))
+    yield from map(lamp_rows, made)
     for ob, colour in emitters.glowing(scene):
         if visible(ob):
             yield _glow_rows(ob.evaluated_get(depsgraph), colour)
@@ -108,7 +99,7 @@ def sun_rows(suns: np.ndarray, sky: Sky) -> np.ndarray:
     return rows
 
 
-def lamp_rows(ob: lights.LampObject | _Made) -> np.ndarray | None:
+def lamp_rows(ob: lights.LampObject | MadeLamp) -> np.ndarray | None:
     """``(6, 4)`` rows of an evaluated lamp: place + kind, two half axes, normal, colour + size, extra; None if dark.
 
     With P the power in watts: a ball has the intensity P / 4 pi, an area lamp of area A the radiance P / (pi A),
@@ -157,7 +148,7 @@ def lamp_rows(ob: lights.LampObject | _Made) -> np.ndarray | None:
     return rows
 
 
-def _axes(ob: lights.LampObject | _Made) -> list[Vector]:
+def _axes(ob: lights.LampObject | MadeLamp) -> list[Vector]:
     """Axes of an object in world space, as long as it is scaled."""
     return [ob.matrix_world.col[i].xyz for i in range(3)]
 
