@@ -91,9 +91,24 @@ vec2 sky_places(int i)
 vec3 sky_light(mat3 frame, vec3 wr, float albedo_r)
 {
     vec3 light = vec3(0.0);
-    float slope, row = sky_view(wr, slope), gain;
+#ifdef SCALED  // on a stretched surface, for the viewer whose wr.xy is as much shorter, see importance.osl
+    float s = min(scaled_here.x, 1.0);
+    vec3 viewer = vec3(s * wr.xy, 0.0);
+    viewer.z = s < 1.0 ? sqrt(max(1.0 - dot(viewer.xy, viewer.xy), 0.0)) : wr.z;
+#else
+    vec3 viewer = wr;
+#endif
+    float slope, row = sky_view(viewer, slope), gain;
     for (int i = 0; i < SKY; i++) {
-        vec3 wi = sky_direction(wr, row, slope, sky_places(i), gain);
+        vec3 wi = sky_direction(viewer, row, slope, sky_places(i), gain);
+#ifdef SCALED
+        if (s < 1.0) {
+            vec2 place = (wi.xy + viewer.xy) / s - wr.xy;
+            float rest = 1.0 - dot(place, place), z = sqrt(max(rest, 1e-12));
+            gain = rest > 0.0 ? gain * wi.z / (s * s * z) : 0.0;
+            wi = vec3(place, z);
+        }
+#endif
         float mirror = max(1.0 + dot(wi, wr), 0.0);
         vec3 weight = gain * diffraction_f_cos(wi, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
         if (gain > 0.0 && wi.z > 0.0)

@@ -2,6 +2,14 @@
 // The light that a point of a surface sends to the viewer: diffraction of all lamps and, where the surface is replaced
 // and not added to, the pigment underneath.
 
+#ifdef PAINTED  // scale, depth, rotation, mask of a paint (precompute/paint/maps.py), the closest texel
+vec4 painted_here()
+{
+    vec2 size = vec2(textureSize(df_paint, 0));
+    return texelFetch(df_paint, ivec2(min(fract(world_uv) * size, size - 1.0)), 0);
+}
+#endif
+
 // The scan's frame as in diffraction.osl: t along its x, b along its y, right-handed or mirrored as the UV map is.
 mat3 scan_frame(vec3 n)
 {
@@ -22,18 +30,12 @@ mat3 scan_frame(vec3 n)
     c = cos(angle);
     s = sin(angle);
 #endif
-    return mat3(c * t + s * across, c * across - s * t, n);
-}
-
-// Where the structure is: 0 shows the pigment alone.
-float masked()
-{
-    float mask = df_surface.fresnel.x;
-#ifdef MASKED
-    vec4 texel = textureLod(df_mask, fract(world_uv), 0.0);
-    mask += df_surface.fresnel.z * (df_surface.rotation.z > 0.5 ? texel.a : dot(texel.rgb, vec3(0.2126, 0.7152, 0.0722)));
+#ifdef PAINTED
+    float angle = painted_here().b + df_surface.rotation.w;
+    c = cos(angle);
+    s = sin(angle);
 #endif
-    return clamp(mask, 0.0, 1.0);
+    return mat3(c * t + s * across, c * across - s * t, n);
 }
 
 #ifdef LACQUER
@@ -65,7 +67,15 @@ void main()
     if (df_frame.border.z > 0.0 && outside)
         discard;
 #endif
-    float mask = masked();
+    float mask = df_surface.rotation.z;  // 0 shows the pigment alone
+#ifdef PAINTED
+    vec4 paint = painted_here();
+    mask = paint.a;
+#elif defined(MASKED)
+    vec4 texel = textureLod(df_mask, fract(world_uv), 0.0);
+    mask += df_surface.fresnel.z * (df_surface.pigment.w > 0.5 ? texel.a : dot(texel.rgb, vec3(0.2126, 0.7152, 0.0722)));
+#endif
+    mask = clamp(mask, 0.0, 1.0);
 #ifdef CUTOUT
     if (mask < 0.5)
         discard;
@@ -82,6 +92,11 @@ void main()
 #endif
 
     vec3 light = vec3(0.0), pigment = vec3(0.0), outer = vec3(0.0);
+#ifdef PAINTED
+    scaled_here = vec2(paint.r >= SCALE_LEAST ? paint.r : SCALE_LEAST, paint.g >= SCALE_LEAST ? paint.g : SCALE_LEAST);
+#elif defined(SCALED)
+    scaled_here = vec2(df_surface.texel.w, df_surface.fresnel.x);
+#endif
     mat3 frame = scan_frame(n);
     vec3 wr = to_viewer * frame;  // its components along t, b, n
     float albedo_r = 1.0;

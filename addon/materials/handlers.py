@@ -13,7 +13,7 @@ import bpy
 from bpy.app.handlers import persistent
 from mathutils import Vector
 
-from .. import app_handlers
+from .. import app_handlers, notices
 from ..lights import gather, instances, light_list
 from . import material, setup
 from .node import group, migrate
@@ -66,7 +66,7 @@ def _say(scene: bpy.types.Scene, text: str) -> None:
     if text == before:
         return
     _said[scene.as_pointer()] = text
-    if text:
+    if text and bpy.app.background:  # a window shows it in the panel
         print(f"Diffraction: {scene.name}: {text}.")
     state = getattr(scene, "diffraction", None)
     if state is not None and state.message in {"", before} and state.message != text:
@@ -118,9 +118,9 @@ def _file_loaded(*_: object) -> None:
     _written.clear()
     group.follow_working_space()
     for sentence in migrate.migrate_all():
-        print(f"Diffraction: {sentence}.")
+        notices.say(sentence)
     for sentence in setup.give_back_importance_sampling():
-        print(f"Diffraction: {sentence}.")
+        notices.say(sentence)
     update_all()
 
 
@@ -134,7 +134,7 @@ def _many(*_: object) -> None:
 def _imported(*_: object) -> None:
     """After append, link and paste."""
     for sentence in migrate.migrate_all():
-        print(f"Diffraction: {sentence}.")
+        notices.say(sentence)
     _many()
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...precompute.errors import DiffractionError
 from ..materials import material
+from ..materials.node import paint_nodes
 from . import items, lamps, looks, surroundings
 from .data import blocks, masks, orientation, sources
 from .data.batches import Meshes
@@ -145,7 +146,7 @@ class Renderer:
         return count
 
     def _fail(self, attempt: tuple, message: str) -> None:
-        if message != self.message:
+        if message != self.message and bpy.app.background:  # a window shows it in the panel
             print(f"Diffraction: {message}")
         self.message, self._failed = message, attempt
 
@@ -227,17 +228,22 @@ class Renderer:
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
-            shader.uniform_sampler("df_albedo", table.albedo)
+            if "SCALED" in flags:
+                shader.uniform_sampler("df_tiles", self.tables.tiles(path))
+            else:
+                shader.uniform_sampler("df_albedo", table.albedo)
         if "SKYLIT" in flags:
             shader.uniform_sampler("df_sky", sky)
         if directions is not None:
             shader.uniform_sampler("df_importance", directions)
+        painted = paint_nodes.image(shaded)
+        if painted is not None:
+            shader.uniform_sampler("df_paint", gpu.texture.from_image(painted))
         turned = orientation.angle_image(shaded)
-        if turned is not None:
+        if turned is not None and painted is None:
             shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
-        mask = masks.of(shaded)
-        if mask.image is not None:
-            shader.uniform_sampler("df_mask", gpu.texture.from_image(mask.image))
+        if "MASKED" in flags:
+            shader.uniform_sampler("df_mask", gpu.texture.from_image(masks.of(shaded).image))
         if view.method == "FLSS":
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)
