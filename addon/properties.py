@@ -22,7 +22,7 @@ from bpy.props import (
 
 from ..precompute.errors import DiffractionError
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
-from . import preset_properties
+from . import paint_properties, preset_properties
 from .tables import light_file, stack_preview
 
 _LABELS = {
@@ -424,6 +424,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     preset_size_um: preset_size()
     preset_pixels: preset_pixels()
     presets: PointerProperty(type=DIFFRACTION_PG_presets)
+    paint: PointerProperty(type=paint_properties.DIFFRACTION_PG_paint)
 
     map_theta: map_theta()
     map_phi: map_phi()
@@ -435,15 +436,21 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     map_image: StringProperty(description="Name of the last map's image")
 
 
-CLASSES = (*preset_properties.GROUPS.values(), DIFFRACTION_PG_presets, DIFFRACTION_PG_scene)
+CLASSES = (
+    *preset_properties.GROUPS.values(),
+    DIFFRACTION_PG_presets,
+    *paint_properties.CLASSES,
+    DIFFRACTION_PG_scene,
+)
 
 
 def prepare() -> None:
-    """Before the classes are registered: the presets get their pictures."""
+    """Before the classes are registered: presets and recipes get their pictures."""
+    paint_properties.prepare()
     DIFFRACTION_PG_scene.__annotations__["preset"] = EnumProperty(
         name="Preset",
         description="A structure that needs no microscope",
-        items=preset_properties.pictured_items(),
+        items=preset_properties.pictures.items(),
         default="cd",  # its colours are seen on any object under any lamp
     )
 
@@ -456,5 +463,6 @@ def register() -> None:
 def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
-    preset_properties.drop_pictures()
+    preset_properties.pictures.drop()
+    paint_properties.pictures.drop()
     stack_preview.drop()

@@ -283,8 +283,17 @@ def scaled(args: argparse.Namespace, table: SpectralTable) -> tuple[Any, dict[st
 
     changed = ScaledTable(table, args.scale, args.depth, math.radians(args.rotation))
     note: dict[str, Any] = {"scale": args.scale, "depth": args.depth, "rotation_deg": args.rotation}
+    notes = []
     if changed.beyond:
-        note["note"] = "A scale or depth above 1 passes the rim of the table, whose last values are taken there."
+        most = " and ".join(f"{value:g}" for value in table.headroom)
+        notes.append(
+            f"A scale or depth above {most} passes the rim of the table, whose last values are taken there; bake with"
+            " --headroom for more."
+        )
+    if changed.approximate:
+        notes.append("The stack's reflectance is taken at the angle of the scaled coordinates, which is approximate.")
+    if notes:
+        note["note"] = " ".join(notes)
     return changed, note
 
 
