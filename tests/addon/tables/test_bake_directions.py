@@ -31,7 +31,7 @@ def test_each_bake_makes_it_once_and_apply_finds_it(scan, monkeypatch):
         assert len(made) == count
 
 
-def test_a_table_from_elsewhere_gets_it_from_apply(scan, never):
+def test_a_table_from_elsewhere_gets_it_from_apply(scan):
     bpy.ops.diffraction.bake(detail=0.2)
     image = scan / "diffraction" / "sinusoid.importance.exr"
     image.unlink()
