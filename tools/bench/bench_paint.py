@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measure what Scale and Depth cost in Cycles, and what noise they bring in an environment.
 
-`bench_paint.py [--samples N] [--rounds N]`
+`bench_paint.py [--samples N] [--rounds N] [--width W]`
 
 A sphere under one sun and a sky, the material's environment at 1. In turn, for OSL and for nodes: the material with its
 sockets at 1, the same with Scale and Depth taken out of the shader (OSL alone), the same under a paint (one image for
@@ -147,8 +147,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--width", type=int, default=bench_cycles.WIDTH, help="pixels; three quarters as high")
     parser.add_argument("--structures", nargs="+", default=["sinusoid", "foil", "snake", "blazed"])
     arguments = parser.parse_args()
+    bench_cycles.WIDTH, bench_cycles.HEIGHT = arguments.width, arguments.width * 3 // 4
     import bpy
 
     from tests.support.blender import extension

@@ -63,8 +63,11 @@ def cells(image, rows, cols):
     ],
 )
 def test_a_map_of_gratings_is_as_many_materials(blender, tmp_path, rows, cols, side, pixels, samples, conserve):
-    """To 2 percent; what is divided by to conserve energy at single wavelengths is known of the table alone, and takes
-    or leaves some percent more where a bake of its own would tell."""
+    """To 2 percent.
+
+    What is divided by to conserve energy at single wavelengths is known of the table alone, and takes or leaves some
+    percent where a bake of its own would tell.
+    """
     random = np.random.default_rng(6)
     shape = (rows, cols)
     scale, depth, rotation = (
