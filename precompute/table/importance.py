@@ -383,7 +383,9 @@ def save_importance(
     import OpenEXR
 
     header = {
-        "compression": OpenEXR.ZIP_COMPRESSION,
+        # A third smaller with ZIP, but the window waits for it, and a Blender that brings an OpenEXR of its own
+        # (Linux distributions) prints a line for every compressed image.
+        "compression": OpenEXR.NO_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "atlasSha256": atlas_sha256,
         "importanceVersion": VERSION,
