@@ -119,8 +119,8 @@ def _begin(method: str, flags: frozenset[str]) -> Any:
     info.sampler(0, "FLOAT_2D_ARRAY", "df_table")
     if flags & {"CONSERVE", "AMBIENT"}:
         info.sampler(1, "FLOAT_2D", "df_tiles" if "SCALED" in flags else "df_albedo")
-    for name, value in _SCALED.items():
-        info.define(name, f"{float(value)}")
+    for name, number in _SCALED.items():
+        info.define(name, f"{float(number)}")
     if method == "FLSS":
         info.uniform_buf(2, "DiffractionSeries", "df_series")
         info.sampler(3, "FLOAT_2D_ARRAY", "df_terms")
