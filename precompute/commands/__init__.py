@@ -7,7 +7,8 @@ where a plain listing of that dict does not do, ``describe(result) -> str``. It 
 
 #: Subcommand -> the first line of its module's docstring, which is its line in the help.
 COMMANDS = {
-    "info": "Say what a scan holds: shape, size, heights, channel.",
+    "info": "Say what a scan or a table holds: shape, size, heights, channel; terms, energy.",
+    "check": "Say which tables are missing, damaged or of another release; exit code 1 where any is.",
     "bake": "Bake a scan into a spectral table.",
     "eval": "Evaluate the BRDF of a table for one pair of directions.",
     "direct": "Evaluate the BRDF of a scan without a table: by direct summation, the reference, or by another method.",
