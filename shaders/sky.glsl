@@ -13,18 +13,35 @@ vec3 sky_texels(vec2 square, float level)
     return textureLod(df_sky, (corner + 1.0 + square * side) * df_frame.sky[3].xy, 0.0).rgb;
 }
 
-// Radiance from a direction in world space, a mean over `solid_angle`.
-vec3 sky_radiance(vec3 direction, float solid_angle)
+// Place of a direction in world space in the square.
+vec2 sky_square(vec3 direction)
 {
     vec3 d = vec3(dot(df_frame.sky[0].xyz, direction), dot(df_frame.sky[1].xyz, direction),
                   dot(df_frame.sky[2].xyz, direction));
     float r = sqrt(max(1.0 - abs(d.z), 0.0)), v = r * 4.0 * turns(abs(d.xy)), u = r - v;
     vec2 square = d.z < 0.0 ? vec2(1.0 - v, 1.0 - u) : vec2(u, v);
-    square = 0.5 + 0.5 * square * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    return 0.5 + 0.5 * square * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+}
+
+vec3 sky_strength()
+{
+    return vec3(df_frame.sky[0].w, df_frame.sky[1].w, df_frame.sky[2].w);
+}
+
+// What a diffuse surface sends on of albedo 1 and this normal: irradiance over pi.
+vec3 sky_diffuse(vec3 n)
+{
+    vec2 at = SKY_DIFFUSE.xy + 1.0 + sky_square(n) * SKY_DIFFUSE.z;
+    return sky_strength() * textureLod(df_sky, at * df_frame.sky[3].xy, 0.0).rgb;
+}
+
+// Radiance from a direction in world space, a mean over `solid_angle`.
+vec3 sky_radiance(vec3 direction, float solid_angle)
+{
+    vec2 square = sky_square(direction);
     float level = clamp(0.5 * log2(solid_angle * (SKY_SIDE * SKY_SIDE / (4.0 * PI))), 0.0, SKY_LEVELS - 1.0);
     float lower = min(floor(level), SKY_LEVELS - 2.0);
-    vec3 strength = vec3(df_frame.sky[0].w, df_frame.sky[1].w, df_frame.sky[2].w);
-    return strength * mix(sky_texels(square, lower), sky_texels(square, lower + 1.0), level - lower);
+    return sky_strength() * mix(sky_texels(square, lower), sky_texels(square, lower + 1.0), level - lower);
 }
 
 #endif

@@ -38,6 +38,20 @@ mat3 scan_frame(vec3 n)
     return mat3(c * t + s * across, c * across - s * t, n);
 }
 
+#ifdef LACQUER
+// The outer face of a lacquer: what it sends of a lamp's irradiance (GGX, Smith's masking, reflectance at the view's
+// angle as in diffraction.osl). `wide` is the lamp's angular radius, by which the lobe grows: few points stand for it.
+float outer_mirror(vec3 wi, vec3 wr, float wide)
+{
+    float a2 = df_surface.kept[1].w * df_surface.kept[1].w + 0.25 * wide * wide;
+    vec3 h = normalize(wi + wr);
+    float d = h.z * h.z * (a2 - 1.0) + 1.0;
+    float li = sqrt(a2 + (1.0 - a2) * wi.z * wi.z), lr = sqrt(a2 + (1.0 - a2) * wr.z * wr.z);
+    // D G / (4 cos_i cos_r) cos_i, with G / (4 cos_i cos_r) = 1 / (2 (cos_i lr + cos_r li))
+    return a2 / (PI * d * d) * wi.z / (2.0 * (wi.z * lr + wr.z * li));
+}
+#endif
+
 void main()
 {
 #ifdef LOOSE_DEPTH
@@ -53,6 +67,19 @@ void main()
     if (df_frame.border.z > 0.0 && outside)
         discard;
 #endif
+    float mask = df_surface.rotation.z;  // 0 shows the pigment alone
+#ifdef PAINTED
+    vec4 paint = painted_here();
+    mask = paint.a;
+#elif defined(MASKED)
+    vec4 texel = textureLod(df_mask, fract(world_uv), 0.0);
+    mask += df_surface.fresnel.z * (df_surface.pigment.w > 0.5 ? texel.a : dot(texel.rgb, vec3(0.2126, 0.7152, 0.0722)));
+#endif
+    mask = clamp(mask, 0.0, 1.0);
+#ifdef CUTOUT
+    if (mask < 0.5)
+        discard;
+#endif
     vec3 to_viewer = df_frame.viewer.w > 0.5 ? normalize(df_frame.viewer.xyz - world_place) : df_frame.viewer.xyz;
     vec3 n = normalize(world_normal);
     float cos_r = dot(n, to_viewer);
@@ -64,12 +91,9 @@ void main()
     bool diffracts = cos_r > 0.0;
 #endif
 
-    vec3 light = vec3(0.0), pigment = vec3(0.0);
-    float mask = df_surface.rotation.z;
+    vec3 light = vec3(0.0), pigment = vec3(0.0), outer = vec3(0.0);
 #ifdef PAINTED
-    vec4 paint = painted_here();
     scaled_here = vec2(paint.r >= SCALE_LEAST ? paint.r : SCALE_LEAST, paint.g >= SCALE_LEAST ? paint.g : SCALE_LEAST);
-    mask = clamp(paint.a, 0.0, 1.0);
 #elif defined(SCALED)
     scaled_here = vec2(df_surface.texel.w, df_surface.fresnel.x);
 #endif
@@ -97,6 +121,9 @@ void main()
             if (cos_i > 0.0) {
                 float mirror = max(1.0 + dot(wi, to_viewer), 0.0);
                 light += irradiance * diffraction_f_cos(wi * frame, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
+#ifdef LACQUER
+                outer += irradiance * outer_mirror(wi * frame, wr, lamp_width(lamp, world_place));
+#endif
             }
         }
     }
@@ -110,11 +137,19 @@ void main()
     if (diffracts)
         light += sky_light(frame, wr, albedo_r);
 #endif
-    light = diffracts ? light * (mask * df_surface.fresnel.w) : vec3(0.0);
+    light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
+#ifdef LACQUER
+    outer += df_frame.ambient.rgb;
+#ifdef SKYLIT
+    outer += sky_radiance(reflect(-to_viewer, n), 4.0 * PI * df_surface.kept[1].w * df_surface.kept[1].w * max(cos_r, 0.01));
+#endif
+    light += diffracts ? outer * fresnel_exact(df_surface.kept[0].w, cos_r) : vec3(0.0);
+#endif
+    light *= mask;
 #ifdef REPLACE
     vec3 around = df_frame.ambient.rgb;
 #ifdef SKYLIT
-    around += sky_radiance(front ? n : -n, PI);
+    around += sky_diffuse(front ? n : -n);
 #endif
     pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + around);
     light += (vec3(1.0) - mask * kept_from_below(abs(cos_r))) * pigment;

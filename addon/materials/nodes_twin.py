@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 6
+VERSION = 7
 
 
 def build(
@@ -147,16 +147,14 @@ def _mirror(surface: Surface, drawn: Any, weight: Socket) -> Socket:
     return node.outputs[0]
 
 
-def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> Socket:
-    """One closure in Cycles, another in EEVEE.
+def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> list[bpy.types.Node]:
+    """One closure in Cycles, another in EEVEE: the nodes, of which the last gives it.
 
-    EEVEE alone turns shaders into colours: the factor is 1 there. Cycles does not know that node, takes the factor's
-    own value 0 and drops the branch with its images.
+    Cycles knows the factor 0 when it compiles and drops the branch with its images.
     """
-    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
+    flag = graph.in_eevee().node
     choice = graph.add("ShaderNodeMixShader", label="Cycles or EEVEE")
-    choice.inputs[0].default_value = 0.0
-    graph.put(engine.inputs[0], white.outputs[0])
-    for socket, value in zip(choice.inputs, (engine.outputs[0], cycles, eevee), strict=True):
+    for socket, value in zip(choice.inputs, (flag.outputs[0], cycles, eevee), strict=True):
         graph.put(socket, value)
-    return choice.outputs[0]
+    engine = flag.inputs[0].links[0].from_node
+    return [engine.inputs[0].links[0].from_node, engine, flag, choice]

@@ -19,7 +19,7 @@ from ..materials import material
 from ..materials import pigment as pigments
 from ..materials.node import paint_nodes
 from ..materials.osl import FRESNEL
-from .data import orientation
+from .data import masks, orientation
 from .data.blocks import Surface
 
 
@@ -63,6 +63,7 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
     value = _Sockets(node)
     illuminant = table_light(info["colour"])
     modes = {number: name for name, number in FRESNEL.items()}
+    mask = masks.of(shaded)
     look = Surface(
         layout=layout,
         to_rgb=xyz_to_rgb_matrix(working_space(), illuminant),
@@ -74,12 +75,19 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
         rotation=float(value("Rotation", 0.0)),
         scale=_least(value("Scale", 1.0)),
         depth=_least(value("Depth", 1.0)),
-        mask=min(max(float(value("Mask", 1.0)), 0.0), 1.0),
+        mask=mask.constant,
+        mask_factor=mask.factor,
+        mask_image=mask.image is not None,
+        mask_alpha=mask.alpha,
         environment=bool(value("Environment", 0)),
         brightness=float(value("Brightness", 1.0)) * view.brightness,
+        lacquer_roughness=float(value("LacquerRoughness", 0.05)),
     )
     if layout.holds_reflectance:
         look.kept = np.clip(np.array(info["reflectance_xyz"], float) @ look.to_rgb.T, 0.0, 1.0)
+    base = node.inputs.get("Base") if node is not None else None
+    if (look.mask_image or look.mask < 1.0) and base is not None:
+        look.cutout = pigments.sees_through(base)
     if (look.scale, look.depth) != (1.0, 1.0) or paint_nodes.image(shaded) is not None:
         look.conserve_energy = bool(value("ConserveEnergy", 1))  # its albedo may pass 1 where the table's does not
     turned = orientation.angle_image(shaded)

@@ -90,7 +90,9 @@ class ScaledTable:
     @property
     def beyond(self) -> bool:
         """Whether directions exist for which the table ends and its rim is taken."""
-        return any(value > most for value, most in zip((self.scale, self.depth), self.table.headroom, strict=True))
+        above = any(value > most for value, most in zip((self.scale, self.depth), self.table.headroom, strict=True))
+        # Under a lacquer light runs steeply, and a table without headroom holds no smaller |w|.
+        return above or (self.depth < 1.0 and self.table.layout.w_min > 0.5)
 
     @property
     def approximate(self) -> bool:

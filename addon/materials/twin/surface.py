@@ -104,13 +104,12 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     knows
         1 where the image of directions, which holds the albedos, is the one that was written.
     """
-    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
-    graph.put(engine.inputs[0], white.outputs[0])
+    eevee = graph.in_eevee()
     geometry = graph.add("ShaderNodeNewGeometry")
     viewer, normal = geometry.outputs["Incoming"], given["Normal"]
     has_normal = graph.math("GREATER_THAN", graph.scalar("LENGTH", normal), 0.0)
     n = graph.vector("NORMALIZE", graph.mix(has_normal, geometry.outputs["Normal"], normal))
-    t, b = _frame(graph, given, n, engine.outputs[0])
+    t, b = _frame(graph, given, n, eevee)
     cos_r = graph.scalar("DOT_PRODUCT", n, viewer)
     # 0 where the viewer is below the surface: the factor that `value` leaves out.
     front = graph.product(graph.math("GREATER_THAN", cos_r, 0.0), graph.difference(1.0, geometry.outputs["Backfacing"]))
@@ -134,7 +133,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     if parts.albedo is not None:
         against = {"AgainstT": graph.product(wr_x, -1.0), "AgainstB": graph.product(wr_y, -1.0)}
         found = graph.group(
-            parts.albedo, Cosine=cos_r, EEVEE=engine.outputs[0], Tile=tile, TilePart=tile_part, Shares=shares, **against
+            parts.albedo, Cosine=cos_r, EEVEE=eevee, Tile=tile, TilePart=tile_part, Shares=shares, **against
         ).outputs["Albedo"]  # fmt: skip
         albedo_r = graph.math("MAXIMUM", found, 1.0)
     return {
@@ -150,8 +149,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
         **dict(zip(("Red", "Green", "Blue"), rows, strict=True)),
         "R0": graph.product(root, root), "IOR": given["IOR"],
         "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
-        # 1 in EEVEE; Cycles does not know Shader to RGB, takes what is linked to it for 0 and drops what follows
-        "EEVEE": engine.outputs[0],
+        "EEVEE": eevee,
     }  # fmt: skip
 
 

@@ -126,7 +126,7 @@ class Surface:
     scale, depth
         Period and depth over the table's.
     mask
-        Part of the surface that has the structure.
+        Part of the surface that has the structure; of `masks.Mask` the constant.
     painted
         Whether an image says scale, depth, mask and what is added to the rotation.
     environment
@@ -135,6 +135,12 @@ class Surface:
         Factor on the diffracted light.
     pigment
         Albedo of the surface underneath; None adds the diffraction to what is already drawn.
+    lacquer_roughness
+        Of the outer face of a table's lacquer.
+    mask_factor, mask_image, mask_alpha
+        Factor of an image, whether there is one, and whether its alpha counts, see `masks.Mask`.
+    cutout
+        Whether the surface ends where the mask falls below a half.
     kept
         ``(KEPT, 3)`` RGB that the table's stuff keeps from the pigment, for even steps of the angle; None: by Fresnel.
     """
@@ -155,6 +161,11 @@ class Surface:
     brightness: float = 1.0
     pigment: tuple[float, float, float] | None = None
     kept: np.ndarray | None = None
+    lacquer_roughness: float = 0.05
+    mask_factor: float = 0.0
+    mask_image: bool = False
+    mask_alpha: bool = False
+    cutout: bool = False
     layout: TableLayout = field(kw_only=True)
 
     def rows(self) -> np.ndarray:
@@ -166,14 +177,16 @@ class Surface:
         rows[2] = layout.scale, layout.power, *layout.headroom
         rows[3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 0.5 * (ALBEDO_SIDE - 1) / ALBEDO_SIDE, self.scale
         rows[4:7, :3] = self.to_rgb
-        rows[7] = self.depth, self.ior, 0.0, self.brightness
+        rows[7] = self.depth, self.ior, self.mask_factor, self.brightness
         rows[8, :3], rows[9, :3] = self.conductor_n, self.conductor_k
         rows[10] = np.cos(self.rotation), np.sin(self.rotation), self.mask, self.rotation
+        rows[11, 3] = float(self.mask_alpha)
         if self.pigment is not None:
             rows[11, :3] = self.pigment
         if self.kept is not None:
             rows[12:, :3] = self.kept
         rows[12, 3] = layout.index
+        rows[13, 3] = max(self.lacquer_roughness, 0.1) ** 2  # narrower lobes than that slip between the pixels
         return rows
 
     def flags(self, ambient: bool) -> set[str]:
@@ -190,6 +203,8 @@ class Surface:
             "SCALED": self.painted or (self.scale, self.depth) != (1.0, 1.0),
             "AMBIENT": ambient and self.environment,
             "REPLACE": self.pigment is not None,
+            "MASKED": self.mask_image and not self.painted,
+            "CUTOUT": self.cutout and self.pigment is not None,
         }
         return flags | {name for name, wanted in chosen.items() if wanted}
 

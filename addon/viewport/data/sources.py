@@ -54,6 +54,11 @@ _SCALED = {
 SKY_SIDE = 512
 SKY_LEVELS = 9
 
+#: Side of the square that says what diffuse surfaces see, the same as of one of the levels, and where it begins with
+#: its border in the image: column and row, beside the third level.
+DIFFUSE_SIDE = 32
+DIFFUSE_CORNER = SKY_SIDE + SKY_SIDE // 4 + 4, SKY_SIDE // 2 + 2
+
 #: Angles of view, even steps from 0 to 90 degrees, at which a surface tells what it keeps from the pigment below.
 KEPT = 19
 
@@ -68,6 +73,8 @@ FLAGS = (
     "DISPLAY",  # colours pass through the view transform
     "REPLACE",  # draws the pigment too
     "TURNED",  # an image of angles
+    "MASKED",  # an image says where the structure is
+    "CUTOUT",  # where it is not, there is no surface
     "PAINTED",  # an image of scale, depth, angle and mask
     "SCALED",  # a period or depth that is not the table's
     "CONSERVE",  # f is divided by the albedo where that passes 1
@@ -112,8 +119,8 @@ def _begin(method: str, flags: frozenset[str]) -> Any:
     info.sampler(0, "FLOAT_2D_ARRAY", "df_table")
     if flags & {"CONSERVE", "AMBIENT"}:
         info.sampler(1, "FLOAT_2D", "df_tiles" if "SCALED" in flags else "df_albedo")
-    for name, value in _SCALED.items():
-        info.define(name, f"{float(value)}")
+    for name, number in _SCALED.items():
+        info.define(name, f"{float(number)}")
     if method == "FLSS":
         info.uniform_buf(2, "DiffractionSeries", "df_series")
         info.sampler(3, "FLOAT_2D_ARRAY", "df_terms")
@@ -138,13 +145,18 @@ def surface(method: str, flags: frozenset[str]) -> Any:
         info.sampler(4, "FLOAT_2D", "df_angle")
     if "PAINTED" in flags:
         info.sampler(4, "FLOAT_2D", "df_paint")
+    if "MASKED" in flags:
+        info.sampler(7, "FLOAT_2D", "df_mask")
+    has_uv = bool(flags & {"TURNED", "PAINTED", "MASKED"})
+    if has_uv:
+        info.define("PICTURED", "1")
     if "SKYLIT" in flags:
         info.sampler(5, "FLOAT_2D", "df_sky")
         info.define("SKY_SIDE", f"{SKY_SIDE}.0")
         info.define("SKY_LEVELS", f"{SKY_LEVELS}.0")
+        info.define("SKY_DIFFUSE", "vec3({}.0, {}.0, {}.0)".format(*DIFFUSE_CORNER, DIFFUSE_SIDE))
     if any(name.startswith("SKY_") for name in flags):
         _add_densities(info)
-    has_uv = bool(flags & {"TURNED", "PAINTED"})
     info.push_constant("MAT4", "df_model")
     for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
         if name != "uv" or has_uv:
