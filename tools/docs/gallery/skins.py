@@ -64,7 +64,7 @@ def scaled(objects, species, space, scale_size=0.0):
 def build(out):
     """The scene."""
     scene = stage.empty_room(out / "skins.blend", (0.05, 0.055, 0.065))
-    stage.table_top(2.0, stage.plain("Slate", (0.022, 0.021, 0.020), 0.45))
+    stage.table_top(2.0, stage.plain("Slate", (0.010, 0.0095, 0.009), 0.6))
     sunbeam = body("Sunbeam snake", *winding((-0.34, -0.02), (0.36, -0.12), 0.040, 1.6, 0.0150))
     corn = body("Corn snake", *winding((-0.36, 0.15), (0.36, 0.04), 0.034, 1.7, 0.0160, 2.4))
     left, right = (
@@ -79,7 +79,7 @@ def build(out):
     sun.energy, sun.angle = 7.0, math.radians(0.6)
     stage.aim(stage.link("Sun", sun), (0.30, 0.42, 0.9), (0.0, 0.0, 0.0))
     stage.softbox("Window", (-0.9, 0.3, 0.8), (0.0, 0.05, 0.0), (0.5, 0.5), 7.0, (0.85, 0.92, 1.0))
-    stage.camera((0.0, -0.47, 0.36), (0.0, 0.055, 0.02), 50, (0.60, 9.0))
+    stage.camera((0.0, -0.58, 0.42), (0.0, 0.085, 0.025), 45, (0.74, 11.0))
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Medium High Contrast"
     scene.view_settings.exposure = 0.4
