@@ -67,6 +67,10 @@ class BakeParameters:
         samples (not its name) then decide the table.
     detail
         Resolution of the table relative to the default 1.0; texels grow with its cube.
+    error
+        Largest error that linear lookups in the table may leave, a fraction, wherever a value is above 1e-3 of the
+        largest in its plane of incidence: slices, radii and angles are chosen for it. A ``detail`` below 1 allows
+        ``1 / detail^2`` times as much.
     stack
         The surface's stuff, a `precompute.stack.Stack` or what a sidecar holds of it: its reflectance goes into the
         table. None leaves it to the renderer.
@@ -97,6 +101,7 @@ class BakeParameters:
     tile: str = "none"
     illuminant: Illuminant = "D65"
     detail: float = 1.0
+    error: float = 0.02
     stack: Stack | None = None
     lacquer: Material | None = None
     energy: str = "raw"
@@ -150,6 +155,10 @@ class BakeParameters:
             raise ParameterError(f"Smoothing over {self.smooth_m} m makes no sense; give a length of 0 or more.")
         if not (math.isfinite(self.detail) and 0.1 <= self.detail <= 8.0):
             raise ParameterError(f"The detail is {self.detail}; it must lie between 0.1 and 8.")
+        if not (math.isfinite(self.error) and 0.001 <= self.error <= 1.0):
+            raise ParameterError(
+                f"The error is {100 * self.error:g} percent; it must lie between 0.1 and 100 percent."
+            )
         if self.limit_bytes <= 0:
             raise ParameterError("The size limit of a table must be positive.")
 
@@ -157,6 +166,11 @@ class BakeParameters:
     def index(self) -> float:
         """Refractive index of what lies over the relief, for directions: 1 for air."""
         return 1.0 if self.lacquer is None else float(self.lacquer.index(np.array([LACQUER_WAVELENGTH_M]))[0].real)
+
+    @property
+    def error_goal(self) -> float:
+        """The error that is asked for at this detail."""
+        return self.error / min(self.detail, 1.0) ** 2
 
     @property
     def w_max(self) -> float:

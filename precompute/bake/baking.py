@@ -28,10 +28,11 @@ from ..table.cache import TableCache, origin, table_key
 from ..table.layout import TableLayout, put_guard
 from ..table.table import SpectralTable
 from .balance import balance
-from .budget import check_bake, check_scan
+from .budget import check_bake, check_scan, fits_memory
 from .energy import Energy, energy, sector_shares
 from .intensity import PolarIntensity
 from .plan import plan_layout
+from .refinement import SHARE_OF_LIMIT, refine, sentence
 from .series import chebyshev_nodes, check_single_precision, node_count
 from .spectral_sum import Reflectance, SpectralSum
 from .transforms import workers
@@ -48,6 +49,9 @@ ANGLES_A_BLOCK = 96
 
 #: Polar angles of the row that holds the reflectance of the surface's stuff.
 N_REFLECTANCE = 91
+
+#: Step of the wavelengths at which slices, radii and angles are chosen.
+_COARSE_STEP_M = 2e-9
 
 #: Texels are scaled to this largest value, well inside half floats (65504).
 _LARGEST_TEXEL = 30000.0
@@ -281,6 +285,21 @@ def _bake(
     stages.done("transforms")
 
     stuff = None if stack is None else Reflectance(stack, wavelengths, parameters.lacquer, index)
+    with threadpool_limits(1, user_api="blas"):
+        layout, reached = refine(
+            polar,
+            coefficients,
+            nodes,
+            layout,
+            spectral_weights(illuminant=parameters.illuminant, step_m=_COARSE_STEP_M),
+            None if stuff is None else stuff.thinned(round(_COARSE_STEP_M / (wavelengths[1] - wavelengths[0]))),
+            parameters.error_goal,
+            lambda finer: (
+                finer.texel_bytes <= SHARE_OF_LIMIT * parameters.limit_bytes
+                and fits_memory(patch, sigma_s, finer, parameters, ANGLES_A_BLOCK, memory_bytes)
+            ),
+        )
+    stages.done("refine")
 
     def spectral_sum(
         reflectance: Reflectance | None, gain: np.ndarray | None = None, coarse: int | None = None
@@ -360,6 +379,7 @@ def _bake(
         "terms": polar.series.terms or len(nodes),
         "albedo_max": float(conserving.max()),
         "energy": {"model": parameters.energy, "albedo_max_xyz": float(albedo.max()), "share_cut": kept.share_cut},
+        "error": reached.to_json(),
     }
     if stack is not None:
         info["stack"] = {**(stack_to_json(stack) or {}), "text": str(stack), "notes": list(stack.notes)}

@@ -12,7 +12,7 @@ from ..table.layout import R_MAX, TableLayout, near_square_columns
 _REFERENCE_M = 500e-9
 
 #: Radial step near r = 0, in lobe widths.
-_STEP_NEAR_ZERO = 0.35
+_STEP_NEAR_ZERO = 0.235
 
 #: Ratio of neighbouring radii far out, less 1: the colour matching functions smear over several times this.
 _STEP_FAR_OUT = 0.026
