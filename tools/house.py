@@ -30,7 +30,7 @@ FLOORS = {
         ("gpu_context", "jobs", "pictures", "renderers"),
         ("tables", "lights"),
         ("materials",),
-        ("viewport",),
+        ("viewport", "watch"),
         ("assets", "preset_properties"),
         ("properties", "preferences"),
         ("operators",),

@@ -10,6 +10,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from .. import app_handlers, paths
+from . import material as materials
 from . import refresh, travel
 
 
@@ -75,7 +76,24 @@ def _imported(*_: object) -> None:
     travel.sync_all()
 
 
+@persistent
+def _rendering(*_: object) -> None:
+    """Tables may have been baked by another process since."""
+    if bpy.app.background:
+        _follow()
+    elif materials.any_ours():  # a render with a window has a thread of its own, where nodes must not be made
+        travel.sync_all()
+        if not bpy.app.timers.is_registered(_follow):
+            bpy.app.timers.register(_follow)
+
+
+def _follow() -> None:
+    for problem in refresh.follow_files():
+        print(f"Diffraction: {problem}.")
+
+
 _HANDLERS = (
+    ("render_init", _rendering),
     ("save_pre", _before_save),
     ("save_post", _after_save),
     ("save_post_fail", _after_save),

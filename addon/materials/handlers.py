@@ -139,10 +139,15 @@ def _imported(*_: object) -> None:
 
 
 @persistent
-def _rendering(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    """Before a render and each of its frames, after whatever other handlers did to the lamps."""
+def _render_begins(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     _after_others(scene, depsgraph)
     _go_last()
+
+
+@persistent
+def _rendering(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Before each frame of a render, after whatever other handlers did to the lamps."""
+    _after_others(scene, depsgraph)
 
 
 @persistent
@@ -172,15 +177,18 @@ _HANDLERS = (
     ("load_post", _file_loaded),
     ("save_pre", _many),
     ("blend_import_post", _imported),
-    ("render_init", _rendering),
+    ("render_init", _render_begins),
     ("render_pre", _rendering),
     ("frame_change_post", _frame_changed),
 )
 
 
 def _go_last() -> None:
-    """Behind handlers that were added later, which may still add or switch lamps."""
-    for name in ("render_init", "render_pre", "frame_change_post"):
+    """Behind handlers that were added later, which may still add or switch lamps.
+
+    Called when Blender goes through none of these lists: it would pass over whoever takes the place of one that moved.
+    """
+    for name in ("render_pre", "frame_change_post"):
         where = getattr(bpy.app.handlers, name)
         ours = next(handler for each, handler in _HANDLERS if each == name)
         if where and where[-1] is not ours and ours in where:

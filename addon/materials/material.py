@@ -36,7 +36,8 @@ class Settings:
         ``OSL`` (Cycles on CPU and OptiX; lamps and environment) or ``NODES`` (Cycles on any device and
         EEVEE; lamps by their middle, no environment; packed into the .blend).
     fresnel
-        ``NONE`` (R = 1), ``DIELECTRIC`` (Schlick) or ``CONDUCTOR``.
+        ``NONE`` (R = 1), ``DIELECTRIC`` (exact, by ``ior``), ``SCHLICK`` (its approximation, that of the thesis and of
+        0.1.0) or ``CONDUCTOR`` (exact, by n and k of red, green and blue).
     ior
         Index of refraction of the dielectric.
     conserve_energy
@@ -272,6 +273,13 @@ def settings_of(material: bpy.types.Material) -> Settings:
         brightness=inputs["Brightness"].default_value,
         environment=inputs["Environment"].default_value,
     )
+
+
+def of_file() -> list[bpy.types.Material]:
+    """All materials of ours that are whole, linked ones too."""
+    if not any_ours():
+        return []
+    return [m for m in bpy.data.materials if is_ours(m) and shader_node(m) is not None]
 
 
 def our_materials() -> list[bpy.types.Material]:

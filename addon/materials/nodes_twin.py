@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 
+from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ..lights import slots
 from .node import interface, lamp_nodes
@@ -21,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 4
+VERSION = 5
 
 
 def build(
@@ -73,10 +74,18 @@ def build(
     surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own)))
     random = environment.random_numbers(graph)
     drawn = surface.group(draw, Random=random).outputs
-    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, graph.clamp(given["Environment"], 0.0, 1.0))
+    knows_directions = lookup.guard(
+        graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT
+    )
+    enabled = graph.product(graph.clamp(given["Environment"], 0.0, 1.0), knows_directions)
+    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, enabled)
     cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
     eevee = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), surface.emitted(shown))
-    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], surface.mixed(surface["EEVEE"], cycles, eevee))
+    shaded = surface.mixed(surface["EEVEE"], cycles, eevee)
+    if layout.guarded:
+        intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height)
+        shaded = surface.mixed(intact, given["Base"], shaded)
+    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], shaded)
 
 
 def _lamps(

@@ -8,7 +8,7 @@ from pathlib import Path
 from ...precompute.errors import DiffractionError
 from ..tables.table_state import READY, table_state
 from . import material as materials
-from . import travel
+from . import spelling, travel
 from .node import group, keys
 
 
@@ -25,6 +25,22 @@ def bring_up_to_date() -> list[str]:
             except DiffractionError as error:
                 problems.append(f"{material.name}: {error}")
     return problems
+
+
+#: Time and size of the tables' files at the last look.
+_seen: dict[Path, tuple[int, int] | None] = {}
+
+
+def follow_files() -> list[str]:
+    """Follow tables that something else (another process, a copy) wrote since the last look; what cannot be done."""
+    now = {travel.home(each): spelling.stamp(travel.home(each)) for each in materials.of_file()}
+    changed = any(_seen.get(path, stamp) != stamp for path, stamp in now.items())
+    _seen.clear()
+    _seen.update(now)
+    if not changed:
+        return []
+    travel.sync_all()
+    return bring_up_to_date()
 
 
 def refresh(path: Path, made: str) -> None:

@@ -10,6 +10,7 @@ from typing import Any
 import bpy
 
 from ..jobs import progress
+from ..watch import report
 
 #: At a user interface scale of 1, in pixels: a character of ordinary text, and what margins and an icon take.
 _CHARACTER, _MARGINS = 6.4, 72.0
@@ -109,6 +110,8 @@ class DIFFRACTION_PT_main(Sidebar, bpy.types.Panel):
         layout = self.layout
         if context.scene.diffraction.message:
             note(layout, context.scene.diffraction.message, "ERROR")
+        for text in report.in_panels(context.scene):
+            note(layout, text, "ERROR")
 
 
 CLASSES = (DIFFRACTION_PT_main,)

@@ -57,8 +57,8 @@ SOCKETS = (
     ),
     Socket("Rotation", _FLOAT, "Turn of the scan about the normal", properties=_value(0.0, subtype="ANGLE")),
     Socket("Brightness", _FLOAT, "Factor on the diffracted light", properties=_value(1.0, 0.0)),
-    Socket("Fresnel", _INT, "How much is reflected. 0: all, 1: as a dielectric of the index IOR, 2: as a conductor",
-           properties=_value(1, 0, 2)),
+    Socket("Fresnel", _INT, "How much is reflected. 0: all, 1: as a dielectric of the index IOR by Schlick's"
+           " approximation, 2: as a conductor, 3: as a dielectric, exactly", properties=_value(3, 0, 3)),
     Socket("IOR", _FLOAT, "Index of refraction of a dielectric", properties=_value(1.5, 1.0, 10.0)),
     Socket("Environment", _INT, "Random mirrors a sample that look at world, glowing things and light that bounces."
            " 0: lamps only", properties=_value(1, 0, 8)),
@@ -90,12 +90,14 @@ PANELS = {
     "Frame": "How directions of the scan are told, where the tangent comes from a node",
 }
 
+_LIMITS = ("min_value", "max_value")
+
 #: The node's one output.
 OUTPUT = "BSDF"
 
 
 def make(tree: bpy.types.NodeTree) -> None:
-    """Give a group the sockets; those that it has stay.
+    """Give a group the sockets; those that it has stay, with the limits of today.
 
     Parameters
     ----------
@@ -110,12 +112,11 @@ def make(tree: bpy.types.NodeTree) -> None:
     for name, text in PANELS.items():
         panels[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
     for socket in SOCKETS:
-        if ("SOCKET", "INPUT", socket.name) in there:
-            continue
-        item = items.new_socket(
+        known = there.get(("SOCKET", "INPUT", socket.name))
+        item: Any = known or items.new_socket(
             socket.name, in_out="INPUT", socket_type=socket.kind, description=socket.text,
             parent=panels.get(socket.panel),
         )  # fmt: skip
-        for key in ("subtype", "min_value", "max_value", "default_value", "hide_value"):
-            if key in socket.properties:
+        for key in _LIMITS if known else ("subtype", *_LIMITS, "default_value", "hide_value"):
+            if key in socket.properties and getattr(item, key) != socket.properties[key]:
                 setattr(item, key, socket.properties[key])
