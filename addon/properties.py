@@ -179,6 +179,16 @@ def detail() -> Any:
     )  # fmt: skip
 
 
+def error_percent() -> Any:
+    """Largest error of lookups."""
+    return FloatProperty(
+        name="Error (%)",
+        description="Slices, radii and angles of the table are chosen until its values are off by no more than this, "
+        "wherever they are above a thousandth of the largest in their plane of incidence",
+        default=2.0, min=0.1, max=100.0, soft_min=0.5, soft_max=20.0, precision=1,
+    )  # fmt: skip
+
+
 def illuminant() -> Any:
     """Light whose spectrum is baked in."""
     return EnumProperty(name="Illuminant", description="Spectrum of the light", items=ILLUMINANT_ITEMS)
@@ -371,6 +381,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     smooth_nm: smooth_nm()
     tile: tile()
     detail: detail()
+    error_percent: error_percent()
     illuminant: illuminant()
     illuminant_file: illuminant_file()
     illuminant_data: illuminant_data()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .constants import TABLE_LIMIT_BYTES, W_MAX, WAVELENGTH_MIN_M
+from .constants import REFINED_LIMIT_BYTES, TABLE_LIMIT_BYTES, W_MAX, WAVELENGTH_MIN_M
 from .errors import ParameterError
 from .light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, to_json
 from .stack import Material, Stack, material_of, stack_of
@@ -37,7 +37,8 @@ class BakeParameters:
     ----------
     sigma_s_m
         Standard deviation of the Gaussian coherence window in metres; None takes the
-        default of the ensemble (``single``: 65 um / 4, ``average``: patch side / 10). ``periodic`` has no
+        default of the ensemble (``single``: 65 um / 4, at most a quarter of the patch's shorter side; ``average``:
+        a tenth of it). ``periodic`` has no
         window and passes it over.
     ensemble
         ``average``: mean over all window positions; ``single``: one window in the middle; ``periodic``: the
@@ -156,9 +157,7 @@ class BakeParameters:
         if not (math.isfinite(self.detail) and 0.1 <= self.detail <= 8.0):
             raise ParameterError(f"The detail is {self.detail}; it must lie between 0.1 and 8.")
         if not (math.isfinite(self.error) and 0.001 <= self.error <= 1.0):
-            raise ParameterError(
-                f"The error is {100 * self.error:g} percent; it must lie between 0.1 and 100 percent."
-            )
+            raise ParameterError(f"The error is {100 * self.error:g} percent; it must lie between 0.1 and 100 percent.")
         if self.limit_bytes <= 0:
             raise ParameterError("The size limit of a table must be positive.")
 
@@ -166,6 +165,11 @@ class BakeParameters:
     def index(self) -> float:
         """Refractive index of what lies over the relief, for directions: 1 for air."""
         return 1.0 if self.lacquer is None else float(self.lacquer.index(np.array([LACQUER_WAVELENGTH_M]))[0].real)
+
+    @property
+    def refined_bytes(self) -> int:
+        """Most texels that a table may grow to for the sake of its error."""
+        return min(self.limit_bytes, REFINED_LIMIT_BYTES)
 
     @property
     def error_goal(self) -> float:
@@ -183,9 +187,10 @@ class BakeParameters:
         return 2.0 * math.pi * self.w_max / WAVELENGTH_MIN_M
 
     def to_dict(self) -> dict[str, Any]:
-        """What decides the table's content, for the sidecar (the limit does not)."""
+        """What decides the table's content, for the sidecar (the limit does where it is a small one)."""
         data = {each.name: getattr(self, each.name) for each in fields(self)}
-        del data["limit_bytes"]
+        if self.refined_bytes == REFINED_LIMIT_BYTES:
+            del data["limit_bytes"]
         data["illuminant"] = to_json(self.illuminant, name=False)
         if self.ensemble != "periodic":
             del data["replicas"]

@@ -7,6 +7,7 @@ from . import (
     asset_library,
     bake,
     brdf_map,
+    coherence,
     files,
     fit,
     import_scan,
@@ -18,8 +19,8 @@ from . import (
 )
 
 _MODULES = (
-    import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
-    add_node, fit, asset_library, show_image,
+    import_scan, make_preset, preview_levelling, bake, coherence, apply_material, files, brdf_map, reflectance,
+    setting_presets, add_node, fit, asset_library, show_image,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

@@ -32,11 +32,11 @@ from .budget import check_bake, check_scan, fits_memory
 from .energy import Energy, energy, sector_shares
 from .intensity import PolarIntensity
 from .plan import plan_layout
-from .refinement import SHARE_OF_LIMIT, refine, sentence
+from .refinement import refine, sentence
 from .series import chebyshev_nodes, check_single_precision, node_count
 from .spectral_sum import Reflectance, SpectralSum
 from .transforms import workers
-from .window import default_sigma_s
+from .window import Coherence, coherence
 
 #: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
 Progress = Callable[[str, float], None]
@@ -103,9 +103,12 @@ class _Stages:
 
 def resolve_sigma_s(patch: HeightField, parameters: BakeParameters) -> float:
     """The coherence window in force (metres): the given one, else the ensemble's default."""
-    if parameters.sigma_s_m is None or parameters.ensemble == "periodic":
-        return default_sigma_s(patch, parameters.ensemble)
-    return parameters.sigma_s_m
+    return window_of(patch, parameters).sigma_s_m
+
+
+def window_of(patch: HeightField, parameters: BakeParameters) -> Coherence:
+    """The coherence window in force, and what limits it."""
+    return coherence(patch, parameters.ensemble, parameters.sigma_s_m)
 
 
 def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
@@ -229,6 +232,10 @@ def _notes(scan: HeightField, table: SpectralTable) -> tuple[str, ...]:
             )
         if step.get("warning"):
             notes.append(str(step["warning"]).rstrip("."))
+    if said := Coherence(**table.info["coherence"]).warning:
+        notes.append(said)
+    if said := sentence(table.info["error"]):
+        notes.append(said)
     return tuple(notes)
 
 
@@ -295,10 +302,11 @@ def _bake(
             None if stuff is None else stuff.thinned(round(_COARSE_STEP_M / (wavelengths[1] - wavelengths[0]))),
             parameters.error_goal,
             lambda finer: (
-                finer.texel_bytes <= SHARE_OF_LIMIT * parameters.limit_bytes
+                finer.texel_bytes <= parameters.refined_bytes
                 and fits_memory(patch, sigma_s, finer, parameters, ANGLES_A_BLOCK, memory_bytes)
             ),
         )
+    stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.55)
     stages.done("refine")
 
     def spectral_sum(
@@ -380,6 +388,7 @@ def _bake(
         "albedo_max": float(conserving.max()),
         "energy": {"model": parameters.energy, "albedo_max_xyz": float(albedo.max()), "share_cut": kept.share_cut},
         "error": reached.to_json(),
+        "coherence": window_of(patch, parameters).to_json(),
     }
     if stack is not None:
         info["stack"] = {**(stack_to_json(stack) or {}), "text": str(stack), "notes": list(stack.notes)}

@@ -30,9 +30,6 @@ from .spectral_sum import RADIAL_STEP, Reflectance, SpectralSum
 #: Values below this part of the largest in their plane of incidence do not count.
 FLOOR = 1e-3
 
-#: A refined table takes at most this part of the limit of its size; one that is planned larger stays as planned.
-SHARE_OF_LIMIT = 0.25
-
 #: Slices at whose neighbourhood the error is looked at, and the least |w| of them: grazing in and out says little.
 _SLICES, _LEAST_W = 8, 0.5
 
@@ -75,7 +72,7 @@ class Reached:
     slices, radii, angles
         Parts of it: the largest of each axis alone.
     wanted_bytes
-        Texels of the table that would have held the error, if it was too large; 0 otherwise.
+        Texels of the table that would have held the error, if this one does not; 0 otherwise.
     """
 
     asked: float
@@ -91,14 +88,14 @@ class Reached:
         return {**numbers, "wanted_bytes": self.wanted_bytes}
 
 
-def sentence(error: dict[str, float], limit_bytes: int) -> str:
-    """One sentence for a table whose error was not reached; empty where it was."""
-    if not error.get("wanted_bytes"):
+def sentence(error: dict[str, float]) -> str:
+    """One sentence for a table that does not hold its error; empty where it does."""
+    if error["reached"] <= error["asked"]:
         return ""
     return (
-        f"An error of {100 * error['asked']:.2g} % would take {error['wanted_bytes'] / 1e6:.0f} MB of texels and"
-        f" refinement may take {SHARE_OF_LIMIT * limit_bytes / 1e6:.0f} MB, a quarter of the size limit; values are off"
-        f" by up to {100 * error['reached']:.2g} %. Raise the limit, or choose a smaller sigma_s or a larger error"
+        f"lookups are off by up to {100 * error['reached']:.2g} %, more than the {100 * error['asked']:.2g} % that were"
+        f" asked for, which would take about {error['wanted_bytes'] / 1e6:.0f} MB of texels; choose a smaller sigma_s,"
+        " or accept a larger error"
     )
 
 
@@ -130,20 +127,23 @@ def refine(
         Whether a layout is small enough.
     """
     planned, planes = layout, _planes(polar, coefficients)
-    errors = _Errors(polar, coefficients, nodes, layout, light, reflectance, planes)
-    wanted = 0
+    errors = best = _Errors(polar, coefficients, nodes, layout, light, reflectance, planes)
+    wanted, aim = 0, _AIM * asked
     for _ in range(_ROUNDS - 1):
         if errors.largest <= asked:
             break
-        finer, wanted_layout = _finer(errors, planned, _AIM * asked, fits)
-        wanted = 0 if finer == wanted_layout else wanted_layout.texel_bytes
+        finer, wanted_layout = _finer(errors, planned, aim, fits)
+        wanted = wanted_layout.texel_bytes
         if finer == layout:
             break
         layout = finer
         errors = _Errors(polar, coefficients, nodes, layout, light, reflectance, planes)
-    if errors.largest <= asked:
+        best = min(best, errors, key=lambda each: each.largest)
+        if errors.largest < 1.5 * asked:  # close, but other points are looked at every time
+            aim *= _AIM
+    if best.largest <= asked:
         wanted = 0
-    return layout, Reached(asked, errors.largest, *errors.by_axis, wanted_bytes=wanted)
+    return best.layout, Reached(asked, best.largest, *best.by_axis, wanted_bytes=wanted)
 
 
 def _planes(polar: PolarIntensity, coefficients: np.ndarray) -> np.ndarray:
@@ -213,9 +213,10 @@ class _Errors:
         colour = _COLOUR * off / bright
         #: ``(3 axes, n_r, slices, rows)`` errors of the nodes, with their sign.
         self.errors = np.concatenate([seen_y, colour], axis=3)
-        self.rows, self.value = rows, value
         counts = self._counts(value[:, :, 1], rows)
         self.errors *= counts[:, :, None]
+        #: As `_largest` has it.
+        self.largest = _largest(_together(self.errors))
         self.step_w = np.gradient(layout.slices)[self.middle]
         self.step_r = np.gradient(layout.radii)
 
@@ -260,13 +261,8 @@ class _Errors:
         return counts
 
     @property
-    def largest(self) -> float:
-        """Largest error: all axes together, at nodes or between them."""
-        return _largest(_together(self.errors))
-
-    @property
     def by_axis(self) -> tuple[float, float, float]:
-        """The same of slices, radii and angles alone."""
+        """Largest errors of slices, radii and angles alone."""
         first, second, third = (_largest(_together(each[None])) for each in self.errors)
         return first, second, third
 

@@ -16,14 +16,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
-    """See `precompute.scan.info.scan_info`."""
+    """See `precompute.scan.info.scan_info`; and the default coherence window of each ensemble, and what limits it."""
+    from ..bake.window import coherence
     from ..scan.clipping import crop
     from ..scan.info import scan_info
 
     field, wanted = options.read(args), options.crop(args)
     if wanted is not None and "cropped_m" not in field.metadata:
         field = crop(field, wanted[:2], wanted[2:])
-    return scan_info(field)
+    windows = {name: coherence(field, name, None).to_json() for name in ("average", "single")}
+    return {**scan_info(field), "coherence": windows}
 
 
 def describe(result: dict[str, Any]) -> str:
@@ -37,5 +39,9 @@ def describe(result: dict[str, Any]) -> str:
             f"{cols} x {rows} pixels, {x:.6g} um x {y:.6g} um",
             f"heights {low:.6g} to {high:.6g} nm, rms {rms:.6g} nm",
             f"{result['missing']} missing points",
+            *(
+                f"coherence {name} {1e6 * window['sigma_s_m']:.4g} um ({window['limit']})"
+                for name, window in result["coherence"].items()
+            ),
         )
     )
