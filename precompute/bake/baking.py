@@ -127,6 +127,7 @@ def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
         parameters.detail,
         parameters.index,
         0 if parameters.stack is None and parameters.lacquer is None else N_REFLECTANCE,
+        parameters.error_goal,
     )
     if layout.texel_bytes > parameters.limit_bytes:
         raise SizeLimitError(
