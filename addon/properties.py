@@ -103,7 +103,7 @@ def series() -> Any:
 def tolerance() -> Any:
     """Error that the series may leave."""
     return FloatProperty(
-        name="Tolerance", description="Largest error that the series may leave",
+        name="Tolerance", description="Largest error of the expansion in kappa, before any table",
         default=1e-4, min=1e-8, max=0.1, precision=6,
     )  # fmt: skip
 

@@ -105,7 +105,14 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
     )
     parser.add_argument("--ensemble", choices=ENSEMBLES, default=default.ensemble, **many)
     parser.add_argument("--series", choices=SERIES, default=default.series, **many)
-    parser.add_argument("--tolerance", type=number, metavar="E", default=default.tolerance, **many)
+    parser.add_argument(
+        "--tolerance",
+        type=number,
+        metavar="E",
+        default=default.tolerance,
+        help="largest error of the expansion in kappa, before any table; --error is that of lookups in it",
+        **many,
+    )
     parser.add_argument("--level", choices=LEVELS, default=default.level, **many)
     parser.add_argument("--clip", type=number, metavar="P", help="keep the middle P percent of heights", **many)
     parser.add_argument(

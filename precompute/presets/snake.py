@@ -44,9 +44,9 @@ def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapp
     rows = int(row.max()) + 1
     aligned = values["alignment_percent"] / 100.0
     free = 1.0 - aligned
-    phase = free * rng.uniform(0.0, 1.0, rows)
-    pitch = finger * (1.0 + 0.05 * free * disorder * rng.standard_normal(rows))
-    lean = disorder * 0.14 * field(6.0 * unit_x, 6.0 * unit_x)
+    phase = free**2 * rng.uniform(0.0, 1.0, rows)
+    pitch = finger * (1.0 + 0.05 * free**2 * disorder * rng.standard_normal(rows))
+    lean = free * disorder * 0.14 * field(6.0 * unit_x, 6.0 * unit_x)
     squeeze = disorder * 0.22 * field(1.2 * unit_x, 1.2 * unit * (1.0 + 40.0 * aligned))
     p = (x[None, :] + lean * row_period * (along - 0.5)) / pitch[row] + phase[row] + squeeze
     column = np.floor(p).astype(np.int64)
