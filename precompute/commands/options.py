@@ -306,7 +306,9 @@ def scaled(args: argparse.Namespace, table: SpectralTable) -> tuple[Any, dict[st
             " --scale-headroom or --depth-headroom for more."
         )
     if changed.approximate:
-        notes.append("The stack's reflectance is taken at the angle of the scaled coordinates, which is approximate.")
+        notes.append(
+            "The stack's reflectance at the scaled coordinates is corrected in X, Y and Z alone, which is approximate."
+        )
     if notes:
         note["note"] = " ".join(notes)
     return changed, note
