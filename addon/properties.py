@@ -22,7 +22,7 @@ from bpy.props import (
 
 from ..precompute.errors import DiffractionError
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
-from . import preset_properties
+from . import paint_properties, preset_properties
 from .tables import light_file, stack_preview
 
 _LABELS = {
@@ -62,7 +62,13 @@ FRESNEL_ITEMS = [
 IMPLEMENTATION_ITEMS = [
     ("AUTO", "Automatic", "OSL where this Blender, the scene's engine and its device render it, else Nodes", 0, 2),
     ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light", 0, 0),
-    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file", 0, 1),
+    (
+        "NODES",
+        "Nodes",
+        "Cycles on any device, with the same light, and EEVEE, with four lamps; packed into the file",
+        0,
+        1,
+    ),
 ]
 
 ORIENTATION_ITEMS = [
@@ -186,6 +192,14 @@ def error_percent() -> Any:
         description="Slices, radii and angles of the table are chosen until its values are off by no more than this, "
         "wherever they are above a thousandth of the largest in their plane of incidence",
         default=2.0, min=0.1, max=100.0, soft_min=0.5, soft_max=20.0, precision=1,
+    )  # fmt: skip
+
+
+def headroom(what: str) -> Any:
+    """Largest Scale or Depth of a painted surface."""
+    return FloatProperty(
+        name=f"{what} Headroom", description=f"Largest {what} of a painted surface that the table holds for every"
+        " direction; above 1 the table grows", default=1.0, min=1.0, max=8.0, soft_max=2.0, precision=2,
     )  # fmt: skip
 
 
@@ -389,6 +403,8 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     films: films()
     lacquer: lacquer()
     energy: energy()
+    scale_headroom: headroom("Scale")
+    depth_headroom: headroom("Depth")
     stack_colour: FloatVectorProperty(
         name="Seen Straight On",
         description="Colour of a flat mirror of these films in daylight",
@@ -429,6 +445,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     preset_size_um: preset_size()
     preset_pixels: preset_pixels()
     presets: PointerProperty(type=DIFFRACTION_PG_presets)
+    paint: PointerProperty(type=paint_properties.DIFFRACTION_PG_paint)
 
     map_theta: map_theta()
     map_phi: map_phi()
@@ -440,15 +457,21 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     map_image: StringProperty(description="Name of the last map's image")
 
 
-CLASSES = (*preset_properties.GROUPS.values(), DIFFRACTION_PG_presets, DIFFRACTION_PG_scene)
+CLASSES = (
+    *preset_properties.GROUPS.values(),
+    DIFFRACTION_PG_presets,
+    *paint_properties.CLASSES,
+    DIFFRACTION_PG_scene,
+)
 
 
 def prepare() -> None:
-    """Before the classes are registered: the presets get their pictures."""
+    """Before the classes are registered: presets and recipes get their pictures."""
+    paint_properties.prepare()
     DIFFRACTION_PG_scene.__annotations__["preset"] = EnumProperty(
         name="Preset",
         description="A structure that needs no microscope",
-        items=preset_properties.pictured_items(),
+        items=preset_properties.pictures.items(),
         default="cd",  # its colours are seen on any object under any lamp
     )
 
@@ -461,5 +484,6 @@ def register() -> None:
 def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
-    preset_properties.drop_pictures()
+    preset_properties.pictures.drop()
+    paint_properties.pictures.drop()
     stack_preview.drop()

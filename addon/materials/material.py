@@ -12,12 +12,13 @@ import bpy
 from ...precompute.errors import ParameterError, TableError
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
-from ...precompute.table.table import SpectralTable, read_sidecar
+from ...precompute.table.table import read_sidecar
 from .. import colour_spaces, paths
 from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, osl, pigment, setup, travel
 from .node import group, keys
 from .node.group import NODE
+from .scales.wire import wire as wire_scales
 
 #: Sockets that an artist turns while looking.
 LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Environment", "DiffuseLimit", "Cone")
@@ -34,7 +35,7 @@ class Settings:
     ----------
     implementation
         ``OSL`` (Cycles on CPU and OptiX; lamps and environment) or ``NODES`` (Cycles on any device and
-        EEVEE; lamps by their middle, no environment; packed into the .blend).
+        EEVEE, which shows four lamps by their middle; packed into the .blend).
     fresnel
         ``NONE`` (R = 1), ``DIELECTRIC`` (exact, by ``ior``), ``SCHLICK`` (its approximation, that of the thesis and of
         0.1.0) or ``CONDUCTOR`` (exact, by n and k of red, green and blue).
@@ -122,18 +123,13 @@ def atlas_image(path: Path) -> bpy.types.Image:
     return image
 
 
-def importance_image(path: Path, atlas_sha256: str) -> tuple[bpy.types.Image, float]:
+def importance_image(path: Path) -> tuple[bpy.types.Image, float]:
     """The image that directs rays into the environment, beside the table, and the table's albedo-free cosine.
 
-    Made anew for a new table, or where it is of an older version.
+    A bake in Blender has made it; for tables from elsewhere it is made here.
     """
-    target = path.with_name(f"{path.stem}.importance.exr")
-    origin = importance.read_origin(target)
-    if origin is None or origin[0] != atlas_sha256:
-        table = SpectralTable.load(path)
-        origin = (atlas_sha256, importance.albedo_free_cosine(table))
-        importance.save_importance(importance.importance(table).image(), target, *origin)
-    return atlas_image(target), origin[1]
+    target, albedo_free = importance.ensure_importance(path)
+    return atlas_image(target), albedo_free
 
 
 def apply(material: bpy.types.Material, table: str | Path, settings: Settings) -> bpy.types.Material:
@@ -195,12 +191,12 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
     TableError
         If the table is missing or of another version.
     """
-    path = paths.absolute(str(table)).with_suffix(".exr")
+    path = paths.readable(paths.absolute(str(table)).with_suffix(".exr"))
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
     image = atlas_image(path)
-    directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
+    directions, albedo_free = importance_image(path)
     if settings.implementation == "NODES":
         directions.use_half_precision = False  # EEVEE would keep edges of a density in ten bits
         for each in (image, directions):
@@ -323,6 +319,7 @@ def _connect(node: Any, settings: Settings) -> None:
         tree.links.new(dark.outputs["BSDF"], node.inputs["Base"])
     _take_over(tree, node)
     _orient(tree, node, settings)
+    wire_scales(tree)
 
 
 def _take_over(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:

@@ -12,14 +12,20 @@ from . import spelling, travel
 from .node import group, keys
 
 
+def broken() -> list[str]:
+    """Materials that lack their table, and why, in a sentence each; cheap enough for every redraw of a panel."""
+    states = ((material, table_state(materials.table_path(material))) for material in materials.of_file())
+    return [f"{material.name}: {found.text}" for material, found in states if found.kind != READY]
+
+
 def bring_up_to_date() -> list[str]:
     """Adapt materials to tables that were baked anew elsewhere (their layout is compiled in); what cannot be done."""
     problems = []
     for material in materials.our_materials():
         found = table_state(materials.table_path(material))
         if found.kind != READY:
-            problems.append(f"{material.name}: {found.text}")
-        elif group.owner(material).get(keys.SHA256) not in (None, found.info["atlas"].get("sha256")):
+            continue
+        if group.owner(material).get(keys.SHA256) not in (None, found.info["atlas"].get("sha256")):
             try:
                 materials.set_table(material, materials.table_path(material))
             except DiffractionError as error:

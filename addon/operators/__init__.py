@@ -3,6 +3,7 @@
 
 from . import (
     add_node,
+    add_scales,
     apply_material,
     asset_library,
     bake,
@@ -17,10 +18,11 @@ from . import (
     setting_presets,
     show_image,
 )
+from .painting import paint
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, coherence, apply_material, files, brdf_map, reflectance,
-    setting_presets, add_node, fit, asset_library, show_image,
+    setting_presets, add_node, add_scales, paint, fit, asset_library, show_image,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where people look for it: the menu File > Import, files dropped onto the 3-D view, the shader editor's Add menu,
-*Online Manual* in context menus, and `blender -c diffraction`."""
+"""Where people look for it: the menus File > Import and Object > Diffraction, which the search (F3) reads, files
+dropped onto the 3-D view, the shader editor, *Online Manual* on right-click, and `blender -c diffraction`."""
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import bpy
 from ...precompute.presets import PRESETS
 from ...precompute.readers.formats import FORMATS
 from ..paths import manual_page
+from ..watch import report
 
 
 def dropped_extensions() -> str:
@@ -55,10 +57,51 @@ def _import(self: Any, context: bpy.types.Context) -> None:
     self.layout.operator("diffraction.import_scan", text="Surface Scan (AFM, profiler)", icon="MESH_GRID")
 
 
+#: What the menu lists and the search therefore finds, by the panel's order; None stands for a line.
+COMMANDS = (
+    "import_scan", "make_preset", "preview_levelling", None,
+    "bake", "apply_material", "paint", "remove_paint", "fit_renderer", "make_local", "restore_settings", None,
+    "viewport_render", "brdf_map", "reflectance", None,
+    "use_material_scan", "rebake", "check_files", "find_files", "collect_files", None,
+    "make_asset_library", "clear_cache",
+)  # fmt: skip
+
+
+class DIFFRACTION_MT_object(bpy.types.Menu):
+    """All that the tab Diffraction does"""
+
+    bl_label = "Diffraction"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        for name in COMMANDS:
+            if name is None:
+                layout.separator()
+            else:
+                layout.operator(f"diffraction.{name}")
+
+
+def _object(self: Any, context: bpy.types.Context) -> None:
+    self.layout.separator()
+    self.layout.menu(DIFFRACTION_MT_object.__name__)
+
+
 def _add_node(self: Any, context: bpy.types.Context) -> None:
     if context.space_data.type == "NODE_EDITOR" and context.space_data.tree_type == "ShaderNodeTree":
         self.layout.separator()
-        self.layout.operator("diffraction.add_node", text="Diffraction", icon="MATERIAL")
+        self.layout.menu("DIFFRACTION_MT_add", icon="MATERIAL")
+
+
+class DIFFRACTION_MT_add(bpy.types.Menu):
+    """Nodes of this extension"""
+
+    bl_idname = "DIFFRACTION_MT_add"
+    bl_label = "Diffraction"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.operator("diffraction.add_node", text="Diffraction")
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        self.layout.operator_menu_enum("diffraction.add_snake_scales", "species", text="Snake Scales")
 
 
 #: Pages of the guide by patterns of what Blender calls a button: operators, and properties of the scene.
@@ -80,13 +123,27 @@ def manual() -> tuple[str, list[tuple[str, str]]]:
 
 
 def command(arguments: list[str]) -> int:
-    """``blender -c diffraction ...``: the same as ``python -m precompute ...``."""
-    from ...precompute.cli import main
+    """``blender -c diffraction ...``: as ``python -m precompute ...``, and ``check`` takes .blend files too."""
+    from ...precompute.cli import EXIT_ERROR, EXIT_FAULTS, main
 
-    return main(arguments)
+    files = arguments[1:]
+    if arguments[:1] != ["check"] or not files or not all(each.endswith(".blend") for each in files):
+        return main(arguments)
+    code = 0
+    for each in files:
+        try:
+            bpy.ops.wm.open_mainfile(filepath=each, use_scripts=False)
+        except RuntimeError as error:
+            print(str(error).strip(), file=sys.stderr)
+            return EXIT_ERROR
+        for scene in bpy.data.scenes:
+            for text in report.before_render(scene):
+                print(f"{each}: {scene.name}: {text}")
+                code = EXIT_FAULTS
+    return code
 
 
-_MENUS = (("TOPBAR_MT_file_import", _import), ("NODE_MT_shader_node_add_all", _add_node))
+_MENUS = (("TOPBAR_MT_file_import", _import), ("VIEW3D_MT_object", _object), ("NODE_MT_shader_node_add_all", _add_node))
 
 _command = None
 
@@ -116,4 +173,4 @@ def unregister() -> None:
         _command = None
 
 
-CLASSES = (DIFFRACTION_FH_scan,)
+CLASSES = (DIFFRACTION_FH_scan, DIFFRACTION_MT_object, DIFFRACTION_MT_add)

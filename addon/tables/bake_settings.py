@@ -20,6 +20,7 @@ LEVELLING = ("use_crop", "crop_um", "level", "align_rows", "clip_percent", "smoo
 FIELDS = (
     *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "error_percent", "illuminant", "illuminant_file",
     "illuminant_data", "series", "tolerance", "limit_mb", "substrate", "films", "lacquer", "energy",
+    "scale_headroom", "depth_headroom",
 )  # fmt: skip
 
 
@@ -48,6 +49,8 @@ def parameters(owner: Any) -> BakeParameters:
         limit_bytes=owner.limit_mb * 1_000_000,
         **stuff(owner.substrate, owner.films, owner.lacquer),
         energy=owner.energy,
+        scale_headroom=decimal(owner.scale_headroom),
+        depth_headroom=decimal(owner.depth_headroom),
     )
 
 

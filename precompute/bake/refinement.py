@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..table.layout import R_MAX, TableLayout, near_square_columns
+from ..table.layout import TableLayout, near_square_columns
 from .intensity import PolarIntensity
 from .spectral_sum import RADIAL_STEP, Reflectance, SpectralSum
 
@@ -358,7 +358,7 @@ def _radii(errors: _Errors, planned: TableLayout, finer: np.ndarray) -> tuple[in
     best = None
     for part in np.geomspace(0.25, 2.0, 13):
         r0 = planned.r0 * float(part)
-        count = 1 + math.ceil(math.asinh(R_MAX / r0) * float((np.sqrt(r**2 + r0**2) / steps).max()))
+        count = 1 + math.ceil(math.asinh(r[-1] / r0) * float((np.sqrt(r**2 + r0**2) / steps).max()))
         if best is None or count < best[0]:
             best = (count, r0)
     assert best is not None

@@ -19,6 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_parameters(parser)
     options.add_replicas(parser)
     options.add_stuff(parser)
+    options.add_headroom(parser)
     parser.add_argument("--detail", type=options.number, default=default.detail, help="resolution of the table")
     parser.add_argument(
         "--error",
@@ -76,18 +77,17 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
 def describe(result: dict[str, Any]) -> str:
     """One line a stage."""
+    from ..table.facts import energy_lines, lookup_lines
+
     memory = result["peak_rss_bytes"]
-    error = result["error"]
     lines = [
         f"table        {result['table']}",
         f"terms        {result['terms']}",
         f"texels       {result['bytes'] / 1e6:.1f} MB",
         f"peak memory  {'unknown' if memory is None else f'{memory / 1e6:.0f} MB'}",
         f"albedo       at most {result['albedo_max']:.3f}",
-        f"energy       {result['energy']['model']}, {100 * result['energy']['share_cut']:.1f} % of even light is cut",
-        f"coherence    {1e6 * result['coherence']['sigma_s_m']:.4g} um ({result['coherence']['limit']})",
-        f"error        {100 * error['reached']:.2g} % of {100 * error['asked']:.2g} % (slices"
-        f" {100 * error['slices']:.2g}, radii {100 * error['radii']:.2g}, angles {100 * error['angles']:.2g})",
+        *(f"energy       {line}" for line in energy_lines(result)),
+        *("{:<13}{}".format(*line.split(" ", 1)) for line in lookup_lines(result)),
         f"cache        {result['cache']}",
     ]
     if "stack" in result:

@@ -2,11 +2,12 @@
 """What a person does at the window, in words: presses a button, chooses an entry, types a number, looks."""
 
 import json
+import math
 import re
 import time
 
-#: How Blender logs what an operator reports.
-_REPORT = re.compile(r"^[0-9:.]+ +operator +\| ")
+#: How Blender logs what an operator reports, and which files it reads.
+_REPORT = re.compile(r"^[0-9:.]+ +(operator +\| |blend +\| Read blend)")
 
 STATE = "bpy.context.scene.diffraction"
 
@@ -53,8 +54,9 @@ class Desk:
 
     def settle(self):
         """Until what was asked for has been drawn."""
-        time.sleep(0.8)
-        self.run("0")
+        time.sleep(0.3)
+        for _ in range(3):
+            self.driver.turn()
 
     def over_view(self):
         """The mouse over the 3-D view, where its keys go."""
@@ -83,7 +85,7 @@ class Desk:
         x, y, width, height = self.look(f"rectangle('FILE_BROWSER', 'WINDOW', {windows})")
         self.driver.point(x + width // 2, y + height // 2, windows)
         if path is None:
-            self.driver.key("ESC", windows)
+            self.driver.key("ESC", number=windows)
         else:
             for name, value in options.items():
                 self.run(f"{active}.{name} = {value!r}")
@@ -94,7 +96,7 @@ class Desk:
         self.wait()
         return offered
 
-    def render(self, seconds=240.0):
+    def render(self, seconds=900.0):
         """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
         import numpy as np
 
@@ -117,12 +119,16 @@ class Desk:
         self._places = self.driver.sweep()
         return [text for text, _, _ in self._places]
 
-    def find(self, what):
-        """Where a button is: a part of its command or data path, which must not go on after it."""
-        pattern = re.escape(what) + r"(?![a-zA-Z_])"
+    def find(self, what, share=0.6):
+        """Where a button is: a part of its command or data path, which must not go on after it, or a
+        pattern.
+
+        `share` of the sidebar's width is where it is looked for: small buttons stand on the right.
+        """
+        pattern = what.pattern if isinstance(what, re.Pattern) else re.escape(what) + r"(?![a-zA-Z_])"
         near = next((place for text, *place in self._places if re.search(pattern, text)), None)
-        for tries in range(3):
-            found = self.driver.sweep(begin=near[1] if near else None, until=pattern)
+        for tries in range(7):
+            found = self.driver.sweep(begin=near[1] if near else None, until=pattern, share=share)
             self._remember(found)
             if found and re.search(pattern, found[-1][0]):
                 place = tuple(found[-1][1:])
@@ -144,13 +150,12 @@ class Desk:
         x, y = left + width // 3, bottom + height // 2
         self.driver.point(x, y)
         kind = "WHEELUPMOUSE" if clicks > 0 else "WHEELDOWNMOUSE"
-        for _ in range(abs(clicks)):
-            self.run(f"send({kind!r}, 'PRESS', {x}, {y})")
-        time.sleep(0.3)
+        self.run(f"for _ in range({abs(clicks)}): send({kind!r}, 'PRESS', {x}, {y})")
+        self.driver.turn()
 
-    def press(self, what, wait=True):
+    def press(self, what, wait=True, share=0.6):
         """A click on a button of the sidebar; waits until what it started has ended."""
-        self.driver.click(*self.find(what))
+        self.driver.click(*self.find(what, share))
         time.sleep(0.2)
         if wait:
             self.wait()
@@ -172,16 +177,17 @@ class Desk:
         self.driver.type(str(text))
         self.driver.key("RET")
         time.sleep(0.2)
+        value = self.look(f"{STATE}.{what}")
+        if self.look(f"{STATE}.bl_rna.properties[{what!r}].subtype") == "ANGLE":
+            value = math.degrees(value)
+        assert abs(value - float(text)) <= 1e-5 * abs(value), f"{what} shows {value}, {text} was typed"
 
     def choose(self, name, identifier, owner=STATE):
         """Choose an entry of a menu."""
         items = self.look(f"[i.identifier for i in {owner}.bl_rna.properties['{name}'].enum_items]")
         self.driver.click(*self.find(f".{name}"))
         time.sleep(0.3)
-        self.driver.key("HOME")
-        for _ in range(items.index(identifier)):
-            self.driver.key("DOWN_ARROW")
-        self.driver.key("RET")
+        self.driver.key("HOME", *["DOWN_ARROW"] * items.index(identifier), "RET")
         time.sleep(0.3)
         assert self.look(f"{owner}.{name}") == identifier
 
@@ -190,24 +196,90 @@ class Desk:
         self.driver.click(*self.find(f".{name}"))
         time.sleep(0.2)
 
+    def drag(self, begin, end):
+        """Drag with the left button over the 3-D view."""
+        self.driver.drag(begin, end)
+
+    def image(self, name):
+        """An image of Blender's as rows of RGB, from the bottom."""
+        import numpy as np
+
+        place = self.work / "image.npy"
+        self.run(f"""
+import numpy as np
+image = bpy.data.images[{name!r}]
+pixels = np.empty(len(image.pixels), np.float32)
+image.pixels.foreach_get(pixels)
+np.save({str(place)!r}, pixels.reshape(image.size[1], image.size[0], -1)[..., :3])
+""")
+        return np.load(place)
+
+    def close_windows(self):
+        """All but the first."""
+        self.run("""
+for each in list(bpy.context.window_manager.windows)[1:]:
+    with bpy.context.temp_override(window=each): bpy.ops.wm.window_close()
+""")
+        self.settle()
+
+    def open_panels(self):
+        """Panels of the sidebar that draw their bodies."""
+        self.run("watch_panels()\ndrawn()\nregion().tag_redraw()")
+        self.driver.turn()
+        return set(json.loads(self.run("drawn()")))
+
     def open_panel(self, name, above):
         """Click the header of a closed panel that stands below something."""
-        self.run("watch_panels()")
+        before = self.open_panels()
+        if f"DIFFRACTION_PT_{name}" in before:
+            return
         _, y = self.find(above)
         left = self.look("rectangle()")[0] + 60
-        for drop in range(20, 130, 11):
-            self.run("drawn()")
+        for drop in range(20, 160, 11):
             self.driver.click(left, y - drop)
-            time.sleep(0.3)
-            self.run("area().tag_redraw()")
-            time.sleep(0.3)
-            if f"DIFFRACTION_PT_{name}" in json.loads(self.run("drawn()")):
+            self.settle()
+            now = self.open_panels()
+            if f"DIFFRACTION_PT_{name}" in now:
                 return
+            if now != before:  # another panel's header
+                self.driver.click(left, y - drop)
+                self.settle()
         raise AssertionError(f"The panel {name} did not open")
+
+    def keep_picture(self, name, picture):
+        """Rows of RGB from the top, for people."""
+        import numpy as np
+        from PIL import Image
+
+        Image.fromarray((255.0 * picture + 0.5).astype(np.uint8)).save(self._pictures / f"{name}.png")
+
+    def picture(self, name, region="WINDOW", number=0):
+        """What the 3-D view or another of its regions shows, as rows of RGB from the top; kept for people too."""
+        import numpy as np
+        from PIL import Image
+
+        self.settle()
+        self.shot(name)
+        x, y, width, height = self.look(f"rectangle('VIEW_3D', {region!r}, {number})")
+        screen = np.asarray(Image.open(self._pictures / f"{name}.png").convert("RGB"), float) / 255.0
+        top = self.driver.top(screen.shape[0]) - (y + height)
+        return screen[top : top + height, x : x + width]
 
     def shot(self, name):
         """A picture for people."""
         self.driver.shot(self._pictures / f"{name}.png")
+
+    def keep(self, name, text):
+        """A text for people, beside the pictures."""
+        (self._pictures / name).write_text(text, encoding="utf-8")
+
+    def has_osl(self):
+        """Whether this Blender was built with Open Shading Language."""
+        return self.look("addon('renderers').has_osl()")
+
+    def watch(self, seconds):
+        """Let the window go on by itself."""
+        time.sleep(seconds)
 
     def console(self):
         """Lines that Blender printed since the last call, without what operators told."""

@@ -4,13 +4,15 @@
 Blender knows a socket by an identifier that it counts up as sockets are made, and keys of an animation by the number
 of the socket. All groups are therefore made from the one list below, in its order, whatever they hold: a node keeps its
 values, links, keys and drivers as it goes from one group to another. New sockets go to the end of `SOCKETS`; where they
-are shown is up to their panel. Names that are kept for sockets to come: Scale, Depth.
+are shown is up to their panel.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -81,6 +83,10 @@ SOCKETS = (
            _value(0.05, 0.0, 1.0, subtype="FACTOR")),
     Socket("Mask", _FLOAT, "Where the structure is: 0 shows the pigment alone, 1 diffracts; Apply takes the pigment's"
            " alpha", properties=_value(1.0, 0.0, 1.0, subtype="FACTOR")),
+    Socket("Scale", _FLOAT, "Period of the structure over that of the table, its coherence window with it; above 1 the"
+           " table ends before the horizon unless it was baked with headroom", properties=_value(1.0, 0.01, 8.0)),
+    Socket("Depth", _FLOAT, "Depth of the structure over that of the table; above 1 the table ends unless it was baked"
+           " with headroom", properties=_value(1.0, 0.01, 8.0)),
 )  # fmt: skip
 
 PANELS = {
@@ -96,26 +102,38 @@ _LIMITS = ("min_value", "max_value")
 OUTPUT = "BSDF"
 
 
-def make(tree: bpy.types.NodeTree) -> None:
-    """Give a group the sockets; those that it has stay, with the limits of today.
+def make(
+    tree: bpy.types.NodeTree,
+    sockets: tuple[Socket, ...] = SOCKETS,
+    panels: Mapping[str, str] = PANELS,
+    outputs: Mapping[str, tuple[str, str]] = MappingProxyType({OUTPUT: (_SHADER, "Pigment and diffracted light")}),
+) -> None:
+    """Give a group sockets; those that it has stay, with the limits of today.
 
     Parameters
     ----------
     tree
         A shader node group.
+    sockets
+        Its inputs; those of *Diffraction*.
+    panels
+        Name: text.
+    outputs
+        Name: (socket type, text).
     """
     items = tree.interface
     there = {(item.item_type, getattr(item, "in_out", ""), item.name): item for item in items.items_tree}
-    if ("SOCKET", "OUTPUT", OUTPUT) not in there:
-        items.new_socket(OUTPUT, in_out="OUTPUT", socket_type=_SHADER, description="Pigment and diffracted light")
-    panels: dict[str, Any] = {}
-    for name, text in PANELS.items():
-        panels[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
-    for socket in SOCKETS:
+    for name, (kind, text) in outputs.items():
+        if ("SOCKET", "OUTPUT", name) not in there:
+            items.new_socket(name, in_out="OUTPUT", socket_type=kind, description=text)
+    folded: dict[str, Any] = {}
+    for name, text in panels.items():
+        folded[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
+    for socket in sockets:
         known = there.get(("SOCKET", "INPUT", socket.name))
         item: Any = known or items.new_socket(
             socket.name, in_out="INPUT", socket_type=socket.kind, description=socket.text,
-            parent=panels.get(socket.panel),
+            parent=folded.get(socket.panel),
         )  # fmt: skip
         for key in _LIMITS if known else ("subtype", *_LIMITS, "default_value", "hide_value"):
             if key in socket.properties and getattr(item, key) != socket.properties[key]:
