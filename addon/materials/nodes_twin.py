@@ -152,7 +152,7 @@ def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> list[bpy.types.Nod
 
     Cycles knows the factor 0 when it compiles and drops the branch with its images.
     """
-    flag = graph.in_eevee().node
+    flag: Any = graph.in_eevee().node
     choice = graph.add("ShaderNodeMixShader", label="Cycles or EEVEE")
     for socket, value in zip(choice.inputs, (flag.outputs[0], cycles, eevee), strict=True):
         graph.put(socket, value)
