@@ -56,30 +56,44 @@ def _group(recipe: Recipe) -> type[bpy.types.PropertyGroup]:
 
 GROUPS: dict[str, type[bpy.types.PropertyGroup]] = {recipe.name: _group(recipe) for recipe in RECIPES.values()}
 
-#: Names of `common`, as the operator and the panel's group have them.
+#: What all recipes share, as the operator and the panel's group have them.
 COMMON = ("recipe", "picture", "second_picture", "period_um", "pixels", "size_mm")
 
 
-def common() -> dict[str, Any]:
-    """What all recipes share."""
-    return {
-        "recipe": EnumProperty(name="Recipe", description="What is painted", items=ITEMS, default="rings"),
-        "picture": StringProperty(name="Picture", description="Logo or photo", subtype="FILE_PATH"),
-        "second_picture": StringProperty(
-            name="Right Picture", description="What the right eye sees", subtype="FILE_PATH"
-        ),
-        "period_um": FloatProperty(
-            name="Period (um)", description="Period of the table's grating; 0 takes what the table says", default=0.0,
-            min=0.0, precision=3,
-        ),
-        "pixels": IntProperty(
-            name="Pixels", description="Along the longer side", default=1024, min=1, max=LIMIT_PIXELS
-        ),
-        "size_mm": FloatProperty(
-            name="Size (mm)", description="What the longer side measures on the object; only Lens minds", default=50.0,
-            min=0.001,
-        ),
-    }  # fmt: skip
+def recipe() -> Any:
+    """What is painted."""
+    return EnumProperty(name="Recipe", description="What is painted", items=ITEMS, default="rings")
+
+
+def picture() -> Any:
+    """Logo or photo."""
+    return StringProperty(name="Picture", description="Logo or photo", subtype="FILE_PATH")
+
+
+def second_picture() -> Any:
+    """Of the right eye."""
+    return StringProperty(name="Right Picture", description="What the right eye sees", subtype="FILE_PATH")
+
+
+def period_um() -> Any:
+    """Of the table's grating."""
+    return FloatProperty(
+        name="Period (um)", description="Period of the table's grating; 0 takes what the table says", default=0.0,
+        min=0.0, precision=3,
+    )  # fmt: skip
+
+
+def pixels() -> Any:
+    """Of the image."""
+    return IntProperty(name="Pixels", description="Along the longer side", default=1024, min=1, max=LIMIT_PIXELS)
+
+
+def size_mm() -> Any:
+    """Of the painted surface."""
+    return FloatProperty(
+        name="Size (mm)", description="What the longer side measures on the object; only Lens minds", default=50.0,
+        min=0.001,
+    )  # fmt: skip
 
 
 def all_settings() -> dict[str, Any]:
@@ -87,7 +101,7 @@ def all_settings() -> dict[str, Any]:
     return {setting.name: _property(setting) for name in RECIPES for setting in settings(name)}
 
 
-DIFFRACTION_PG_paint_recipes = type(
+DIFFRACTION_PG_paint_recipes: Any = type(
     "DIFFRACTION_PG_paint_recipes",
     (bpy.types.PropertyGroup,),
     {
@@ -96,16 +110,20 @@ DIFFRACTION_PG_paint_recipes = type(
     },
 )
 
-DIFFRACTION_PG_paint = type(
-    "DIFFRACTION_PG_paint",
-    (bpy.types.PropertyGroup,),
-    {
-        "__annotations__": {**common(), "recipes": PointerProperty(type=DIFFRACTION_PG_paint_recipes)},
-        "__doc__": "What Paint paints.",
-    },
-)
 
-CLASSES = (*GROUPS.values(), DIFFRACTION_PG_paint_recipes, DIFFRACTION_PG_paint)
+class DIFFRACTION_PG_paint(bpy.types.PropertyGroup):
+    """What Paint paints."""
+
+    recipe: recipe()
+    picture: picture()
+    second_picture: second_picture()
+    period_um: period_um()
+    pixels: pixels()
+    size_mm: size_mm()
+    recipes: PointerProperty(type=DIFFRACTION_PG_paint_recipes)
+
+
+CLASSES: tuple[Any, ...] = (*GROUPS.values(), DIFFRACTION_PG_paint_recipes, DIFFRACTION_PG_paint)
 
 
 def prepare() -> None:

@@ -185,6 +185,14 @@ def detail() -> Any:
     )  # fmt: skip
 
 
+def headroom(what: str) -> Any:
+    """Largest Scale or Depth of a painted surface."""
+    return FloatProperty(
+        name=f"{what} Headroom", description=f"Largest {what} of a painted surface that the table holds for every"
+        " direction; above 1 the table grows", default=1.0, min=1.0, max=8.0, soft_max=2.0, precision=2,
+    )  # fmt: skip
+
+
 def illuminant() -> Any:
     """Light whose spectrum is baked in."""
     return EnumProperty(name="Illuminant", description="Spectrum of the light", items=ILLUMINANT_ITEMS)
@@ -384,6 +392,8 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     films: films()
     lacquer: lacquer()
     energy: energy()
+    scale_headroom: headroom("Scale")
+    depth_headroom: headroom("Depth")
     stack_colour: FloatVectorProperty(
         name="Seen Straight On",
         description="Colour of a flat mirror of these films in daylight",

@@ -8,7 +8,7 @@ import bpy
 from .. import paint_properties
 from ..materials import material
 from ..materials.node import paint_nodes
-from ..operators.painting.paint import without
+from ..operators.painting.paint import active, without
 from ..tables.table_state import READY, table_state
 from .sidebar import Sidebar, note, number, split
 
@@ -22,7 +22,7 @@ class DIFFRACTION_PT_paint(Sidebar, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
-        shown = context.object.active_material if context.object is not None else None
+        shown = active(context)
         return material.is_ours(shown) and material.shader_node(shown) is not None
 
     def draw(self, context: bpy.types.Context) -> None:
@@ -33,8 +33,8 @@ class DIFFRACTION_PT_paint(Sidebar, bpy.types.Panel):
         values, hidden = getattr(state.recipes, state.recipe), without(state.recipe)
         for name in ("picture", "second_picture"):
             if name not in hidden:
-                text = "Left Picture" if name == "picture" and "second_picture" not in hidden else None
-                layout.prop(state, name, **({} if text is None else {"text": text}))
+                is_left = name == "picture" and "second_picture" not in hidden
+                layout.prop(state, name, text="Left Picture" if is_left else state.bl_rna.properties[name].name)
         column = layout.column(align=True)
         for setting in paint_properties.settings(state.recipe):
             column.prop(values, setting.name)
@@ -44,7 +44,7 @@ class DIFFRACTION_PT_paint(Sidebar, bpy.types.Panel):
         if "size_mm" not in hidden:
             column.prop(state, "size_mm")
         layout.operator("diffraction.paint", icon="BRUSH_DATA")
-        shown = context.object.active_material
+        shown = active(context)
         painted = paint_nodes.image(shown)
         if painted is not None:
             row = layout.row(align=True)

@@ -19,6 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_parameters(parser)
     options.add_replicas(parser)
     options.add_stuff(parser)
+    options.add_headroom(parser)
     parser.add_argument("--detail", type=options.number, default=default.detail, help="resolution of the table")
     parser.add_argument(
         "--limit-mb",
@@ -64,6 +65,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
 def describe(result: dict[str, Any]) -> str:
     """One line a stage."""
+    from ..table.facts import energy_lines
+
     memory = result["peak_rss_bytes"]
     lines = [
         f"table        {result['table']}",
@@ -71,7 +74,7 @@ def describe(result: dict[str, Any]) -> str:
         f"texels       {result['bytes'] / 1e6:.1f} MB",
         f"peak memory  {'unknown' if memory is None else f'{memory / 1e6:.0f} MB'}",
         f"albedo       at most {result['albedo_max']:.3f}",
-        f"energy       {result['energy']['model']}, {100 * result['energy']['share_cut']:.1f} % of even light is cut",
+        *(f"energy       {line}" for line in energy_lines(result)),
         f"cache        {result['cache']}",
     ]
     if "stack" in result:

@@ -132,6 +132,11 @@ def add_stack(parser: argparse.ArgumentParser) -> None:
         help="what the surface is made of: a name such as Au or keratin, an index, n,k or a file; its reflectance goes"
         " into the table",
     )
+    add_film(parser)
+
+
+def add_film(parser: argparse.ArgumentParser) -> None:
+    """--film."""
     parser.add_argument(
         "--film",
         action="append",
@@ -144,13 +149,18 @@ def add_stack(parser: argparse.ArgumentParser) -> None:
 def add_stuff(parser: argparse.ArgumentParser) -> None:
     """`add_stack`, --lacquer and --energy."""
     add_stack(parser)
-    parser.add_argument("--lacquer", metavar="MATERIAL", help="a clear layer over the relief")
+    add_lacquer(parser)
     parser.add_argument(
         "--energy",
         choices=ENERGY,
         default=BakeParameters().energy,
         help="'capped' cuts each wavelength by its own excess inside the table; by default renderers divide",
     )
+
+
+def add_lacquer(parser: argparse.ArgumentParser) -> None:
+    """--lacquer."""
+    parser.add_argument("--lacquer", metavar="MATERIAL", help="a clear layer over the relief")
 
 
 def stuff(args: argparse.Namespace) -> dict[str, Any]:
@@ -183,6 +193,18 @@ def stuff_lines(result: dict[str, Any]) -> list[str]:
     return lines
 
 
+def add_headroom(parser: argparse.ArgumentParser) -> None:
+    """--scale-headroom and --depth-headroom."""
+    for what in ("scale", "depth"):
+        parser.add_argument(
+            f"--{what}-headroom",
+            type=number,
+            default=1.0,
+            metavar="X",
+            help=f"largest {what} of a painted surface that the table is to hold; more than 1 makes it larger",
+        )
+
+
 def add_replicas(parser: argparse.ArgumentParser) -> None:
     """--replicas, for the ensemble ``periodic``."""
     parser.add_argument(
@@ -195,6 +217,9 @@ def bake_parameters(args: argparse.Namespace, **more: Any) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
     if "replicas" in args and args.ensemble == "periodic":
         more.setdefault("replicas", tuple(args.replicas))
+    for name in ("scale_headroom", "depth_headroom"):
+        if name in args:
+            more.setdefault(name, getattr(args, name))
     fields = {name: _si(args, key, factor) for name, key, factor in _FIELDS}
     return BakeParameters(**fields, crop_m=crop(args), **stuff(args), **more)
 
@@ -288,10 +313,12 @@ def scaled(args: argparse.Namespace, table: SpectralTable) -> tuple[Any, dict[st
         most = " and ".join(f"{value:g}" for value in table.headroom)
         notes.append(
             f"A scale or depth above {most} passes the rim of the table, whose last values are taken there; bake with"
-            " --headroom for more."
+            " --scale-headroom or --depth-headroom for more."
         )
     if changed.approximate:
-        notes.append("The stack's reflectance is taken at the angle of the scaled coordinates, which is approximate.")
+        notes.append(
+            "The stack's reflectance at the scaled coordinates is corrected in X, Y and Z alone, which is approximate."
+        )
     if notes:
         note["note"] = " ".join(notes)
     return changed, note

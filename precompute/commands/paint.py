@@ -57,6 +57,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     sizes: Any = {"pixels": args.pixels, "size_m": args.size_mm * 1e-3, **given}
     sizes["pictures"] = [read_picture(path) for path in args.picture]
     if args.table is None:
+        assert period_m is not None
         paint = make_paint(args.recipe, period_m, **sizes)
     else:
         paint = paint_of_table(args.recipe, read_sidecar(Path(args.table)), period_m=period_m, **sizes)

@@ -6,16 +6,17 @@ integral with other weights (R = 1):
 
     a(wr; s, q) = integral (1 + wi.wr)^2 / (cos_i cos_r w^2) T(u', v', q w) du' dv',    wi_xy = -(u', v') / s - wr_xy
 
-It is summed on coarse rings and sectors, relative to the surface as baked, and that ratio multiplies the table's own
-conserving albedo. What renderers look up is a row of tiles over (theta, phi), one a scale, ``STEPS`` to an octave; the
-three channels hold three depths. Between scales it is linear in log s, between depths quadratic in q. Lines of order
-that pass the horizon between two scales would be missed: a tile holds at least what the scales halfway to its
-neighbours need, so that no light is made, and some is lost within a few degrees of such a line.
+It is summed on coarse rings and sectors, relative to the surface as baked, and that ratio multiplies the table's own.
+What renderers look up is a row of tiles over (theta, phi), one a scale, ``STEPS`` to an octave; the three channels hold
+three depths. Between scales it is linear in log s, between depths quadratic in q. Lines of order that pass the horizon
+between two scales would be missed: a tile holds at least what the scales halfway to its neighbours need, so that no
+light is made, and some is lost within a few degrees of such a line.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -121,19 +122,22 @@ def scaled_albedos(table: SpectralTable) -> np.ndarray:
     nodes[1:] = np.maximum(nodes[1:], ratios[1::2])
     if table.headroom == (1.0, 1.0):
         nodes[0, 0] = 1.0  # of the surface as baked the albedo is known
-    base = _base(table)
-    tiles = np.stack([[_on_tile(each) * base for each in node] for node in nodes])  # (scale, depth, phi, theta)
+    albedo, conserving = (_on_grid(each) for each in (table.albedo, table.conserving_albedo))
+    # What single wavelengths need beyond X, Y and Z grows with the depth; beyond that it is taken as that of the table.
+    excess = conserving / np.maximum(albedo, 1e-6) - 1.0
+    depths = [albedo * (1.0 + excess * min(q * most_q, 1.0)) for q in DEPTHS]
+    tiles = np.stack([[_on_tile(each) * own for each, own in zip(node, depths, strict=True)] for node in nodes])
     tiles = np.concatenate([tiles[:, :, -1:], tiles, tiles[:, :, :1]], axis=2)
     return np.ascontiguousarray(tiles.transpose(2, 0, 3, 1).reshape(HEIGHT, WIDTH, 3).astype(np.float32))
 
 
-def _base(table: SpectralTable) -> np.ndarray:
-    """``(N_PHI, N_THETA)`` what the table itself divides by."""
+def _on_grid(albedo: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """``(N_PHI, N_THETA)`` albedos of a table."""
     phi, theta = (np.arange(N_PHI) * (2.0 * np.pi / N_PHI))[:, None], np.arange(N_THETA) * (0.5 * np.pi / (N_THETA - 1))
     sine = np.sin(theta)
     shape = (N_PHI, N_THETA)
     parts = (sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(np.cos(theta), shape))
-    return table.conserving_albedo(np.stack(parts, -1))
+    return albedo(np.stack(parts, -1))
 
 
 def _on_tile(values: np.ndarray) -> np.ndarray:

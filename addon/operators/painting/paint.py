@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
 from ....precompute.errors import DiffractionError
@@ -25,6 +27,13 @@ class DIFFRACTION_OT_paint(bpy.types.Operator):
     bl_label = "Paint"
     bl_options = {"REGISTER", "UNDO"}
 
+    recipe: paint_properties.recipe()
+    picture: paint_properties.picture()
+    second_picture: paint_properties.second_picture()
+    period_um: paint_properties.period_um()
+    pixels: paint_properties.pixels()
+    size_mm: paint_properties.size_mm()
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return _editable(cls, context)
@@ -37,7 +46,7 @@ class DIFFRACTION_OT_paint(bpy.types.Operator):
             layout.prop(self, name)
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        state, shown = context.scene.diffraction.paint, context.object.active_material
+        state, shown = context.scene.diffraction.paint, active(context)
         take(self, state, paint_properties.COMMON)
         names = [setting.name for setting in paint_properties.settings(self.recipe)]
         take(self, getattr(state.recipes, self.recipe), names)
@@ -65,7 +74,7 @@ class DIFFRACTION_OT_paint(bpy.types.Operator):
         return {"FINISHED"}
 
 
-DIFFRACTION_OT_paint.__annotations__.update(paint_properties.common() | paint_properties.all_settings())
+DIFFRACTION_OT_paint.__annotations__.update(paint_properties.all_settings())
 
 
 class DIFFRACTION_OT_remove_paint(bpy.types.Operator):
@@ -79,19 +88,24 @@ class DIFFRACTION_OT_remove_paint(bpy.types.Operator):
     def poll(cls, context: bpy.types.Context) -> bool:
         if not _editable(cls, context):
             return False
-        if paint_nodes.image(context.object.active_material) is None:
+        if paint_nodes.image(active(context)) is None:
             cls.poll_message_set("The material is not painted")
             return False
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
-        paint_nodes.remove(context.object.active_material)
+        paint_nodes.remove(active(context))
         handlers.update_all()
         return {"FINISHED"}
 
 
+def active(context: bpy.types.Context) -> Any:
+    """The material that is painted; None where there is none."""
+    return context.object.active_material if context.object is not None else None
+
+
 def _editable(cls: type[bpy.types.Operator], context: bpy.types.Context) -> bool:
-    shown = context.object.active_material if context.object is not None else None
+    shown = active(context)
     if not material.is_ours(shown) or material.shader_node(shown) is None:
         cls.poll_message_set("Apply a table to the active object first")
         return False

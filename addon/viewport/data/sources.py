@@ -6,7 +6,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from ....precompute.constants import LEAST_SCALE
+from ....precompute.constants import LEAST_REFLECTANCE, LEAST_SCALE
 from ....precompute.table import importance, scaled_albedo
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
@@ -48,6 +48,7 @@ _SCALED = {
     "SCALED_N_PHI": scaled_albedo.N_PHI,
     **{f"SCALED_DEPTH_{i}": depth for i, depth in enumerate(scaled_albedo.DEPTHS)},
     "SCALE_LEAST": LEAST_SCALE,
+    "REFLECTANCE_LEAST": LEAST_REFLECTANCE,
 }
 
 #: Side of the finest level of an image of the surroundings, and how many levels there are: the last has four texels.
@@ -119,8 +120,8 @@ def _begin(method: str, flags: frozenset[str]) -> Any:
     info.sampler(0, "FLOAT_2D_ARRAY", "df_table")
     if flags & {"CONSERVE", "AMBIENT"}:
         info.sampler(1, "FLOAT_2D", "df_tiles" if "SCALED" in flags else "df_albedo")
-    for name, value in _SCALED.items():
-        info.define(name, f"{float(value)}")
+    for name, number in _SCALED.items():
+        info.define(name, f"{float(number)}")
     if method == "FLSS":
         info.uniform_buf(2, "DiffractionSeries", "df_series")
         info.sampler(3, "FLOAT_2D_ARRAY", "df_terms")
