@@ -61,7 +61,7 @@ def test_sliders_of_the_active_material(day):
 def test_edit_table_brings_a_materials_settings_back(day):
     for sigma in (1.5, 2.5):
         day.run(f"bpy.context.scene.diffraction.sigma_s_um = {sigma}")
-        day.press("diffraction.use_material_scan", share=0.95)
+        day.press("diffraction.use_material_scan", share=0.83)
         assert day.state("sigma_s_um") == json.loads(day.state("table_recipe"))["settings"]["sigma_s_um"] != sigma
     assert day.console() == []
 
