@@ -13,6 +13,7 @@ COMMANDS = {
     "eval": "Evaluate the BRDF of a table for one pair of directions.",
     "direct": "Evaluate the BRDF of a scan without a table: by direct summation, the reference, or by another method.",
     "map": "Draw the BRDF of a table towards all view directions as a PNG or EXR picture.",
+    "mirror": "Say what colour a flat mirror of some material, films on it or a lacquer over it has.",
     "preset": "Write the heightfield of a preset structure as a .gsf file.",
     "paint": "Turn a recipe or a picture into maps of period, depth and direction that paint a surface.",
     "reflectance": "Compare the peak of a diffraction order with the grating equation and estimate the period.",
