@@ -191,7 +191,7 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
     TableError
         If the table is missing or of another version.
     """
-    path = paths.absolute(str(table)).with_suffix(".exr")
+    path = paths.readable(paths.absolute(str(table)).with_suffix(".exr"))
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")

@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 7
+VERSION = 8
 
 
 def build(
@@ -57,12 +57,13 @@ def build(
 
     def parts(engine: str) -> Parts:
         name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, (layout.width, layout.height), engine)
+        kept = lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None
         return Parts(
             name=f"{name} {built_in}", layout=layout,
-            value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel),
+            value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel, kept),
             albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine)) if conserve else None,
             albedo_free=albedo_free,
-            kept=lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None,
+            kept=kept,
             fresnel=fresnel, conserve=conserve,
         )  # fmt: skip
 
