@@ -12,6 +12,7 @@ from . import (
     fit,
     import_scan,
     make_preset,
+    pack,
     preview_levelling,
     reflectance,
     setting_presets,
@@ -21,7 +22,7 @@ from .painting import paint
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
-    add_node, add_scales, paint, fit, asset_library, show_image,
+    add_node, add_scales, paint, fit, asset_library, show_image, pack,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)
