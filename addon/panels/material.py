@@ -10,10 +10,10 @@ import bpy
 
 from .. import paths, renderers
 from ..materials import material, scale, setup, travel
-from ..operators import slots
 from ..operators.files import farm_copies, is_fresh
 from ..tables.table_state import READY, table_state
 from ..versions import EEVEE
+from ..watch import slots
 from ..watch.misfits import misfits, why
 from ..watch.places import tables
 from .bake import scene_table
@@ -121,6 +121,10 @@ def draw_active(layout: bpy.types.UILayout, active: bpy.types.Material) -> None:
         socket = node.inputs.get(name)
         if socket is not None and not (socket.is_linked or socket.hide) and not _without_effect(name, node):
             layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
+    for name in ("Scale", "Depth") if found.kind == READY else ():
+        socket, most = node.inputs.get(name), found.info["layout"].get(f"{name.lower()}_headroom", 1.0)
+        if socket is not None and not socket.is_linked and socket.default_value > most:
+            note(layout, f"{name} above {most:.3g} passes the table: bake with {name} Headroom (Advanced)", "ERROR")
 
 
 def _switches(layout: bpy.types.UILayout, node: Any) -> None:
@@ -201,6 +205,11 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             note(layout, "Without this extension a renderer would not find the tables of linked materials")
         if outside or linked:
             layout.operator("diffraction.collect_files", icon="FILE_PARENT")
+        if bpy.data.filepath and travel.beside(paths.absolute("//")):
+            note(layout, "This file needs its folder diffraction/, or carries the tables inside")
+            layout.operator("diffraction.pack", icon="PACKAGE")
+        if bpy.ops.diffraction.unpack.poll():
+            layout.operator("diffraction.unpack", icon="UGLYPACKAGE")
 
 
 class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):
