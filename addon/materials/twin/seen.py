@@ -20,6 +20,8 @@ ALL_ROUND = 3.14
 #: Where a lamp that is off begins, as seen from any other: so far away that none gives way to it.
 _NOWHERE = -10.0
 
+_SLOTS = range(1, slots.SLOTS + 1)
+
 
 @dataclass(frozen=True)
 class Seen:
@@ -96,35 +98,21 @@ def place() -> bpy.types.NodeTree:
     return tree
 
 
-def _each(name: str) -> dict[str, str]:
-    kind = _VECTOR if name in {"Axis", "Aim"} else _FLOAT
-    return {f"{name} {slot}": kind for slot in range(1, slots.SLOTS + 1)}
-
-
 def gaps() -> bpy.types.NodeTree:
-    """Group (direction and radius of every lamp) -> for each the angle from its middle to the nearest other lamp.
-
-    Chains run from the last slot to the first: those that are empty are constants to Cycles.
-    """
-    tree = new_group("Diffraction gaps between lamps")
-    interface(tree, {name: (kind, None) for name, kind in (_each("Axis") | _each("Edge")).items()}, _each("Gap"))
-    graph = Graph(tree)
-    given = graph.add("NodeGroupInput").outputs
-    nearest: dict[int, Socket] = {}
-    pairs = [(i, j) for j in range(slots.SLOTS, 0, -1) for i in range(j - 1, 0, -1)]
-    apart = {
-        (i, j): graph.math("ARCCOSINE", graph.scalar("DOT_PRODUCT", given[f"Axis {i}"], given[f"Axis {j}"]))
-        for i, j in pairs
-    }
-    for i in range(1, slots.SLOTS + 1):
-        for j in range(slots.SLOTS, 0, -1):
-            if i != j:
-                gap = graph.difference(apart[min(i, j), max(i, j)], given[f"Edge {j}"])
-                nearest[i] = gap if i not in nearest else graph.math("MINIMUM", nearest[i], gap)
-    out = graph.add("NodeGroupOutput")
-    for i, gap in nearest.items():
-        graph.put(out.inputs[f"Gap {i}"], gap)
-    return tree
+    """Group (direction and radius of every lamp) -> for each the angle from its middle to the nearest other lamp."""
+    name = "Diffraction gaps between lamps"
+    graph, given, out = _new(name, _each("Axis") | _each("Edge"), _each("Gap"))
+    angle, nearest = _angles(), _nearest()
+    apart: dict[tuple[int, int], Socket] = {}
+    for i in _SLOTS:
+        one = graph.group(angle, Axis=given[f"Axis {i}"], **_numbered("Axis", given, i)).outputs
+        for place, j in enumerate(_others(i), 1):
+            apart.setdefault((min(i, j), max(i, j)), one[f"Angle {place}"])
+    for i in _SLOTS:
+        to = {f"Angle {place}": apart[min(i, j), max(i, j)] for place, j in enumerate(_others(i), 1)}
+        one = graph.group(nearest, **to, **_numbered("Edge", given, i)).outputs
+        graph.put(out.inputs[f"Gap {i}"], one["Gap"])
+    return graph.tree
 
 
 def hits() -> bpy.types.NodeTree:
@@ -132,19 +120,65 @@ def hits() -> bpy.types.NodeTree:
 
     A lamp that has no whole lobe gives a cosine of 2.
     """
-    tree = new_group("Diffraction lobes that meet")
-    sockets = _each("Aim") | _each("Axis") | _each("Cosine")
-    interface(tree, {name: (kind, None) for name, kind in sockets.items()}, _each("Hits"))
+    name = "Diffraction lobes that meet"
+    graph, given, out = _new(name, _each("Aim") | _each("Axis") | _each("Cosine"), _each("Hits"))
+    group = _hits_of_one()
+    for i in _SLOTS:
+        those = _numbered("Axis", given, i) | _numbered("Cosine", given, i)
+        graph.put(out.inputs[f"Hits {i}"], graph.group(group, Aim=given[f"Aim {i}"], **those).outputs["Hits"])
+    return graph.tree
+
+
+# Blender takes the longer for each node the more there are in the tree: what repeats is a small group.
+
+
+def _angles() -> bpy.types.NodeTree:
+    graph, given, out = _new("Diffraction angles to others", {"Axis": _VECTOR} | _each("Axis", 1), _each("Angle", 1))
+    for place in _SLOTS[:-1]:
+        cosine = graph.scalar("DOT_PRODUCT", given["Axis"], given[f"Axis {place}"])
+        graph.put(out.inputs[f"Angle {place}"], graph.math("ARCCOSINE", cosine))
+    return graph.tree
+
+
+def _nearest() -> bpy.types.NodeTree:
+    graph, given, out = _new("Diffraction nearest other", _each("Angle", 1) | _each("Edge", 1), {"Gap": _FLOAT})
+    gap: Socket | None = None
+    for place in _SLOTS[:-1]:
+        each = graph.difference(given[f"Angle {place}"], given[f"Edge {place}"])
+        gap = each if gap is None else graph.math("MINIMUM", gap, each)
+    graph.put(out.inputs["Gap"], gap)
+    return graph.tree
+
+
+def _hits_of_one() -> bpy.types.NodeTree:
+    sockets = {"Aim": _VECTOR} | _each("Axis", 1) | _each("Cosine", 1)
+    graph, given, out = _new("Diffraction lobes that hold one", sockets, {"Hits": _FLOAT})
+    total: Socket | None = None
+    for place in _SLOTS[:-1]:
+        cosine = graph.scalar("DOT_PRODUCT", given["Aim"], given[f"Axis {place}"])
+        within = graph.math("GREATER_THAN", cosine, given[f"Cosine {place}"])
+        total = within if total is None else graph.sum(total, within)
+    graph.put(out.inputs["Hits"], total)
+    return graph.tree
+
+
+def _others(slot: int) -> list[int]:
+    """All slots but one, the last first: those that are empty are constants to Cycles, and fold."""
+    return [other for other in reversed(_SLOTS) if other != slot]
+
+
+def _each(name: str, less: int = 0) -> dict[str, str]:
+    kind = _VECTOR if name in {"Axis", "Aim"} else _FLOAT
+    return {f"{name} {slot}": kind for slot in range(1, slots.SLOTS + 1 - less)}
+
+
+def _numbered(name: str, given: Any, slot: int) -> dict[str, Socket]:
+    """Sockets of the other slots, counted in the order of `_others`."""
+    return {f"{name} {place}": given[f"{name} {other}"] for place, other in enumerate(_others(slot), 1)}
+
+
+def _new(name: str, inputs: dict[str, str], outputs: dict[str, str]) -> tuple[Graph, Any, bpy.types.Node]:
+    tree = new_group(name)
+    interface(tree, {each: (kind, None) for each, kind in inputs.items()}, outputs)
     graph = Graph(tree)
-    given = graph.add("NodeGroupInput").outputs
-    out = graph.add("NodeGroupOutput")
-    for i in range(1, slots.SLOTS + 1):
-        total: Socket | None = None
-        for j in range(slots.SLOTS, 0, -1):
-            if i != j:
-                cosine = graph.scalar("DOT_PRODUCT", given[f"Aim {i}"], given[f"Axis {j}"])
-                within = graph.math("GREATER_THAN", cosine, given[f"Cosine {j}"])
-                total = within if total is None else graph.sum(total, within)
-        assert total is not None
-        graph.put(out.inputs[f"Hits {i}"], total)
-    return tree
+    return graph, graph.add("NodeGroupInput").outputs, graph.add("NodeGroupOutput")
