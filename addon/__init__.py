@@ -11,8 +11,9 @@ def _parts() -> tuple[ModuleType, ...]:
     from . import operators, panels, preferences, properties, viewport
     from .materials import file_handlers, handlers
     from .tables import estimates
+    from .watch import report
 
-    return preferences, properties, operators, panels, file_handlers, handlers, viewport, estimates
+    return preferences, properties, operators, panels, file_handlers, handlers, viewport, estimates, report
 
 
 def register() -> None:

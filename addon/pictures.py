@@ -14,7 +14,9 @@ from . import colour_spaces
 _PREVIEW_SIDE = 320
 
 
-def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = False) -> bpy.types.Image:
+def show(
+    context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = False, small: np.ndarray | None = None
+) -> bpy.types.Image:
     """Make or replace an image data-block and show it in an image editor, if one is open.
 
     Parameters
@@ -27,6 +29,8 @@ def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = 
         ``(height, width, 3)``, row 0 at the bottom: display values (sRGB), or linear Rec.709.
     linear
         Which of the two.
+    small
+        For the panel, as `rgb`; the picture itself where it is left out.
     """
     height, width, _ = rgb.shape
     image = bpy.data.images.get(name)
@@ -42,6 +46,9 @@ def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = 
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     image.pack()  # it has no file: without this a saved .blend would forget it
+    if small is not None:
+        pixels = np.ones((*small.shape[:2], 4), np.float32)
+        pixels[..., :3] = small
     _set_preview(image, pixels)
     _into_editor(context, image)
     return image
@@ -67,7 +74,7 @@ def show_file(context: bpy.types.Context, name: str, path: Path) -> bpy.types.Im
 
 def _set_preview(image: bpy.types.Image, pixels: np.ndarray) -> None:
     """Preview for the panel; Blender would keep the one of the picture that was there before."""
-    step = max(1, -(-max(image.size) // _PREVIEW_SIDE))
+    step = max(1, -(-max(pixels.shape[:2]) // _PREVIEW_SIDE))
     height, width = (count // step * step for count in pixels.shape[:2])
     small = pixels[:height, :width].reshape(height // step, step, width // step, step, -1).mean(axis=(1, 3))
     preview = image.preview_ensure()

@@ -23,7 +23,7 @@ from bpy.props import (
 from ..precompute.errors import DiffractionError
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
 from . import preset_properties
-from .tables import light_file
+from .tables import light_file, stack_preview
 
 _LABELS = {
     "average": ("Average", "The mean over all places of the coherence window: what a pixel that covers many sees"),
@@ -50,17 +50,25 @@ def _items(names: tuple[str, ...]) -> list[tuple[str, str, str]]:
 ENSEMBLE_ITEMS, SERIES_ITEMS, LEVEL_ITEMS, ILLUMINANT_ITEMS = map(_items, (ENSEMBLES, SERIES, LEVELS, ILLUMINANTS))
 ILLUMINANT_ITEMS.append((light_file.FILE, "File", "A measured spectrum from a text file"))
 
+# Files keep numbers, which count up from the first.
 FRESNEL_ITEMS = [
-    ("DIELECTRIC", "Dielectric", "Reflectance by the index of refraction (skin, horn, lacquer)"),
-    ("CONDUCTOR", "Conductor", "Reflectance by n and k (aluminium: discs)"),
+    ("DIELECTRIC", "Dielectric", "Reflectance by the index of refraction (skin, horn, lacquer), exact"),
+    ("CONDUCTOR", "Conductor", "Reflectance by n and k (aluminium: discs), exact"),
     ("NONE", "None", "Reflects everything"),
+    ("SCHLICK", "Schlick", "Schlick's approximation for a dielectric, as the thesis has it and version 0.1.0 had"),
 ]
 
 # Numbers, because files keep those: version 0.1.0 had OSL as 0.
 IMPLEMENTATION_ITEMS = [
     ("AUTO", "Automatic", "OSL where this Blender, the scene's engine and its device render it, else Nodes", 0, 2),
     ("OSL", "OSL", "Cycles on the CPU and OptiX: lamps of any size, world, emitters and bounce light", 0, 0),
-    ("NODES", "Nodes", "Cycles on any device and EEVEE: up to 8 lamps, no environment; packed into the file", 0, 1),
+    (
+        "NODES",
+        "Nodes",
+        "Cycles on any device, with the same light, and EEVEE, with four lamps; packed into the file",
+        0,
+        1,
+    ),
 ]
 
 ORIENTATION_ITEMS = [
@@ -449,3 +457,4 @@ def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
     preset_properties.drop_pictures()
+    stack_preview.drop()

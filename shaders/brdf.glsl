@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The BRDF: factor, Fresnel, energy, colour. Directions are local: (along t, along b, along n).
 
-// Schlick's reflectance of a dielectric at the half-angle.
-float fresnel_dielectric(float ior, float cos_half)
+// Schlick's approximation of the reflectance of a dielectric.
+float fresnel_schlick(float ior, float cos_half)
 {
     float root = (ior - 1.0) / (ior + 1.0), r0 = root * root, m = 1.0 - clamp(cos_half, 0.0, 1.0);
     return r0 + (1.0 - r0) * m * m * m * m * m;
@@ -50,7 +50,9 @@ float path_w(vec3 wi, vec3 wr)
 vec3 fresnel(float cos_half)
 {
 #if defined(DIELECTRIC)
-    return vec3(fresnel_dielectric(df_surface.fresnel.y, cos_half));
+    return vec3(fresnel_exact(df_surface.fresnel.y, cos_half));
+#elif defined(SCHLICK)
+    return vec3(fresnel_schlick(df_surface.fresnel.y, cos_half));
 #elif defined(CONDUCTOR)
     return fresnel_conductor(df_surface.conductor_n.rgb, df_surface.conductor_k.rgb, cos_half);
 #else

@@ -26,11 +26,11 @@ FLOORS = {
         ("__main__", "__init__"),
     ),
     "addon": (
-        ("app_handlers", "colour_spaces", "given", "numbers", "paths", "shader_files", "versions"),
+        ("app_handlers", "colour_spaces", "given", "notices", "numbers", "paths", "shader_files", "versions"),
         ("gpu_context", "jobs", "pictures", "renderers"),
         ("tables", "lights"),
         ("materials",),
-        ("viewport",),
+        ("viewport", "watch"),
         ("assets", "preset_properties"),
         ("properties", "preferences"),
         ("operators",),

@@ -42,7 +42,8 @@ _GREY = (0.03, 0.03, 0.031)
 ASSETS = (
     Asset("Xenopeltis Skin", "Animals", "Sunbeam snake: steep saw-tooth scales on black skin", "snake"),
     Asset("Elaphe Skin", "Animals", "Corn snake: shallow columns of micro-fibrils", "elaphe"),
-    Asset("Morpho Ridges", "Animals", "Ridges of a butterfly's scale, diffraction only", "morpho"),
+    Asset("Morpho", "Animals", "Ridges of a blue butterfly's scale over a stack of lamellae", "morpho"),
+    Asset("Jewel Beetle", "Animals", "Layers of melanin and chitin: green, blue at the rim", "jewel_beetle"),
     Asset("CD", "Discs", "Pits 1.6 um apart; put the object's z axis through the hole", "cd", {}, _GREY),
     Asset("DVD", "Discs", "Pits 0.74 um apart", "dvd", {}, _GREY),
     Asset("Blu-ray", "Discs", "Pits 0.32 um apart: hardly any colour but at grazing light", "bluray", {}, _GREY),
@@ -51,6 +52,11 @@ ASSETS = (
     Asset("Holographic Foil", "Foils", "Crossed gratings of gift wrap and bank notes", "foil", {}, _GREY),
     Asset("Brushed Metal", "Foils", "Random grooves along y", "brushed_metal", {}, _GREY),
     Asset("Random Bumps", "Foils", "A field of random bumps after Stam", "stam_bumps"),
+    Asset("Gold Foil", "Foils", "Crossed gratings in gold", "gold_foil"),
+    Asset("Lacquered Holographic Foil", "Foils", "Crossed gratings under a clear varnish", "lacquered_foil"),
+    Asset("Oil on a Brushed Plate", "Foils", "A film of oil on brushed steel", "oily_plate", {}, _GREY),
+    Asset("Copper Grating 600/mm", "Gratings", "Sinusoidal grating in copper", "copper_plate"),
+    Asset("Anodised Titanium", "Gratings", "Ripple of laser pulses under an oxide film", "titanium_ripple"),
 )
 
 #: Told of progress: what is being made, and the fraction done.
@@ -97,7 +103,7 @@ def build_assets(
         look = look_of(asset.preset)
         flat = look.orientation == "RADIAL"
         material = make_material(asset, disc if flat else ball, detail, implementation)
-        pixels = stage.picture(scene, material, (ball, disc), flat, look.fresnel == "CONDUCTOR", samples)
+        pixels = stage.picture(scene, material, (ball, disc), flat, look.is_bright, samples)
         preview = material.preview_ensure()
         preview.image_size = (stage.SIDE, stage.SIDE)
         preview.image_pixels_float.foreach_set(pixels)

@@ -9,7 +9,8 @@ from typing import Any
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import app_handlers, paths
+from .. import app_handlers, notices, paths
+from . import material as materials
 from . import refresh, travel
 
 
@@ -63,10 +64,18 @@ def _after_save(*_: object) -> None:
 
 
 @persistent
+def _before_load(*_: object) -> None:
+    notices.clear()
+
+
+@persistent
 def _loaded(*_: object) -> None:
     travel.sync_all()
     for problem in refresh.bring_up_to_date():
-        print(f"Diffraction: {problem}; the panel Diffraction > Material > Files bakes it again.")
+        notices.say(problem)
+    if bpy.app.background:  # a window shows it in the panel, for as long as it is true
+        for problem in refresh.broken():
+            print(f"Diffraction: {problem}; the panel Diffraction > Material > Files bakes it again.")
 
 
 @persistent
@@ -75,10 +84,28 @@ def _imported(*_: object) -> None:
     travel.sync_all()
 
 
+@persistent
+def _rendering(*_: object) -> None:
+    """Tables may have been baked by another process since."""
+    if bpy.app.background:
+        _follow()
+    elif materials.any_ours():  # a render with a window has a thread of its own, where nodes must not be made
+        travel.sync_all()
+        if not bpy.app.timers.is_registered(_follow):
+            bpy.app.timers.register(_follow)
+
+
+def _follow() -> None:
+    for problem in refresh.follow_files():
+        notices.say(problem)
+
+
 _HANDLERS = (
+    ("render_init", _rendering),
     ("save_pre", _before_save),
     ("save_post", _after_save),
     ("save_post_fail", _after_save),
+    ("load_pre", _before_load),
     ("load_post", _loaded),
     ("blend_import_post", _imported),
     ("undo_post", _imported),

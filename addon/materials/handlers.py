@@ -13,7 +13,7 @@ import bpy
 from bpy.app.handlers import persistent
 from mathutils import Vector
 
-from .. import app_handlers
+from .. import app_handlers, notices
 from ..lights import gather, instances, light_list
 from . import material, setup
 from .node import group, migrate
@@ -66,7 +66,7 @@ def _say(scene: bpy.types.Scene, text: str) -> None:
     if text == before:
         return
     _said[scene.as_pointer()] = text
-    if text:
+    if text and bpy.app.background:  # a window shows it in the panel
         print(f"Diffraction: {scene.name}: {text}.")
     state = getattr(scene, "diffraction", None)
     if state is not None and state.message in {"", before} and state.message != text:
@@ -118,9 +118,9 @@ def _file_loaded(*_: object) -> None:
     _written.clear()
     group.follow_working_space()
     for sentence in migrate.migrate_all():
-        print(f"Diffraction: {sentence}.")
+        notices.say(sentence)
     for sentence in setup.give_back_importance_sampling():
-        print(f"Diffraction: {sentence}.")
+        notices.say(sentence)
     update_all()
 
 
@@ -134,15 +134,20 @@ def _many(*_: object) -> None:
 def _imported(*_: object) -> None:
     """After append, link and paste."""
     for sentence in migrate.migrate_all():
-        print(f"Diffraction: {sentence}.")
+        notices.say(sentence)
     _many()
 
 
 @persistent
-def _rendering(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    """Before a render and each of its frames, after whatever other handlers did to the lamps."""
+def _render_begins(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
     _after_others(scene, depsgraph)
     _go_last()
+
+
+@persistent
+def _rendering(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
+    """Before each frame of a render, after whatever other handlers did to the lamps."""
+    _after_others(scene, depsgraph)
 
 
 @persistent
@@ -172,15 +177,18 @@ _HANDLERS = (
     ("load_post", _file_loaded),
     ("save_pre", _many),
     ("blend_import_post", _imported),
-    ("render_init", _rendering),
+    ("render_init", _render_begins),
     ("render_pre", _rendering),
     ("frame_change_post", _frame_changed),
 )
 
 
 def _go_last() -> None:
-    """Behind handlers that were added later, which may still add or switch lamps."""
-    for name in ("render_init", "render_pre", "frame_change_post"):
+    """Behind handlers that were added later, which may still add or switch lamps.
+
+    Called when Blender goes through none of these lists: it would pass over whoever takes the place of one that moved.
+    """
+    for name in ("render_pre", "frame_change_post"):
         where = getattr(bpy.app.handlers, name)
         ours = next(handler for each, handler in _HANDLERS if each == name)
         if where and where[-1] is not ours and ours in where:

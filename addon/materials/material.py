@@ -18,6 +18,7 @@ from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, osl, pigment, setup, travel
 from .node import group, keys
 from .node.group import NODE
+from .scales.wire import wire as wire_scales
 
 #: Sockets that an artist turns while looking.
 LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Environment", "DiffuseLimit", "Cone")
@@ -34,9 +35,10 @@ class Settings:
     ----------
     implementation
         ``OSL`` (Cycles on CPU and OptiX; lamps and environment) or ``NODES`` (Cycles on any device and
-        EEVEE; lamps by their middle, no environment; packed into the .blend).
+        EEVEE, which shows four lamps by their middle; packed into the .blend).
     fresnel
-        ``NONE`` (R = 1), ``DIELECTRIC`` (Schlick) or ``CONDUCTOR``.
+        ``NONE`` (R = 1), ``DIELECTRIC`` (exact, by ``ior``), ``SCHLICK`` (its approximation, that of the thesis and of
+        0.1.0) or ``CONDUCTOR`` (exact, by n and k of red, green and blue).
     ior
         Index of refraction of the dielectric.
     conserve_energy
@@ -274,6 +276,13 @@ def settings_of(material: bpy.types.Material) -> Settings:
     )
 
 
+def of_file() -> list[bpy.types.Material]:
+    """All materials of ours that are whole, linked ones too."""
+    if not any_ours():
+        return []
+    return [m for m in bpy.data.materials if is_ours(m) and shader_node(m) is not None]
+
+
 def our_materials() -> list[bpy.types.Material]:
     """Materials of ours that can be edited and are whole."""
     return [m for m in bpy.data.materials if m.is_editable and is_ours(m) and shader_node(m) is not None]
@@ -315,6 +324,7 @@ def _connect(node: Any, settings: Settings) -> None:
         tree.links.new(dark.outputs["BSDF"], node.inputs["Base"])
     _take_over(tree, node)
     _orient(tree, node, settings)
+    wire_scales(tree)
 
 
 def _take_over(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:

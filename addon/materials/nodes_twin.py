@@ -12,6 +12,7 @@ from typing import Any
 
 import bpy
 
+from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ..lights import slots
 from .node import interface, lamp_nodes
@@ -73,10 +74,27 @@ def build(
     surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own)))
     random = environment.random_numbers(graph)
     drawn = surface.group(draw, Random=random).outputs
-    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, graph.clamp(given["Environment"], 0.0, 1.0))
+    knows_directions = lookup.guard(
+        graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT
+    )
+    enabled = graph.product(graph.clamp(given["Environment"], 0.0, 1.0), knows_directions)
+    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, enabled)
     cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
     eevee = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), surface.emitted(shown))
-    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], surface.mixed(surface["EEVEE"], cycles, eevee))
+    shaded = surface.mixed(surface["EEVEE"], cycles, eevee)
+    shows = _on_a_surface(graph)
+    if layout.guarded:
+        intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height)
+        shows = graph.product(shows, intact)
+    shaded = surface.mixed(shows, given["Base"], shaded)
+    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], shaded)
+
+
+def _on_a_surface(graph: Graph) -> Socket:
+    """0 on strands and points, which have no place for a scan, as in ``shaders/diffraction.osl``; else 1."""
+    strand = graph.add("ShaderNodeHairInfo").outputs["Is Strand"]
+    radius = graph.add("ShaderNodePointInfo").outputs["Radius"]
+    return graph.math("LESS_THAN", graph.math("MAXIMUM", strand, radius), 1e-30)
 
 
 def _lamps(

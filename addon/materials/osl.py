@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from ...precompute.table import importance
-from ...precompute.table.layout import TableLayout
+from ...precompute.table.layout import GUARD, GUARD_TOLERANCE, TableLayout
 from ..lights import slots
 from ..shader_files import SHADERS
 from ..versions import texture_t_is_down
@@ -15,8 +15,8 @@ PARTS = ("table.osl", "brdf.osl", "lamps.osl", "importance.osl", "diffraction.os
 #: Lamps that the shader reads of the scene's list, see ``shaders/diffraction.osl``.
 LAMPS_MAX = slots.SLOTS
 
-#: Values of the socket ``Fresnel``.
-FRESNEL = {"NONE": 0, "DIELECTRIC": 1, "CONDUCTOR": 2}
+#: Values of the socket ``Fresnel``. 1 was the one form of dielectrics in 0.1.0: files keep it.
+FRESNEL = {"NONE": 0, "SCHLICK": 1, "CONDUCTOR": 2, "DIELECTRIC": 3}
 
 #: Values of the sockets ``LampNKind``.
 LAMP_KINDS = slots.KINDS
@@ -43,11 +43,26 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
     numbers["TABLE_HAS_LACQUER"] = int(layout.index > 1.0)
     numbers["TABLE_INDEX"] = layout.index
     numbers["TABLE_HAS_ALBEDO"] = int(albedo_max > 1.0)
+    numbers.setdefault("TABLE_GUARDED", layout.guarded)
+    numbers.update(
+        zip(("GUARD_HIGH", "GUARD_MIDDLE", "GUARD_LOW"), GUARD, strict=True), GUARD_TOLERANCE=GUARD_TOLERANCE
+    )
     numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
     numbers["LAMPS_MAX"] = LAMPS_MAX
     numbers["TABLE_ALBEDO_FREE"] = float(albedo_free)
     numbers["TABLE_IS_LINEAR_IN_W"] = int(layout.power == 1.0)
-    for name in ("N_VIEWS", "VIEW_END", "AZIMUTHS_STEP", "AZIMUTHS_MAX", "N_R", "N_PHI", "WIDTH", "HEIGHT"):
+    for name in (
+        "N_VIEWS",
+        "VIEW_END",
+        "AZIMUTHS_STEP",
+        "AZIMUTHS_MAX",
+        "N_R",
+        "N_PHI",
+        "WIDTH",
+        "HEIGHT",
+        "GUARD_X",
+        "GUARD_Y",
+    ):
         numbers[f"IMPORTANCE_{name}"] = float(getattr(importance, name))
     numbers.update({f"FRESNEL_{name}": value for name, value in FRESNEL.items()})
     numbers.update({f"LAMP_{name}": value for name, value in LAMP_KINDS.items()})

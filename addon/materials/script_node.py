@@ -97,7 +97,7 @@ def _make_sockets(node: bpy.types.Node, compiled: str) -> None:
             sockets.remove(sockets[name])
         socket = sockets.new(_SOCKETS[kind], name)
         socket.hide_value = not values
-        if is_output or not values:
+        if not values or (is_output and kind != "float"):
             continue
         if kind == "int":
             socket.default_value = int(values[0])

@@ -21,6 +21,7 @@ from ...precompute.errors import DiffractionError
 from ...precompute.files.atomic import atomic_path
 from .. import paths
 from ..tables import recipe
+from . import spelling
 from .node import group
 from .node.keys import ATLAS, IMPORTANCE, TABLE
 
@@ -102,9 +103,11 @@ def sync(known: bpy.types.ID, folder: Path | None = None) -> bool:
         if linked:  # Cycles takes a relative name in a socket for one beside the open file
             place = str(paths.absolute(place, image.library))
         socket = node.inputs.get(name) if node is not None else None
-        if socket is not None and socket.type == "STRING" and socket.default_value != place:
-            socket.default_value = place
-            changed = True
+        if socket is not None and socket.type == "STRING":
+            read = place if folder is not None else spelling.fresh(place, paths.absolute(place, image.library))
+            if socket.default_value != read:
+                socket.default_value = read
+                changed = True
         if key == ATLAS and not linked and known[TABLE] != place:
             known[TABLE] = place
             changed = True

@@ -3,6 +3,7 @@
 
 from . import (
     add_node,
+    add_scales,
     apply_material,
     asset_library,
     bake,
@@ -19,7 +20,7 @@ from . import (
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
-    add_node, fit, asset_library, show_image,
+    add_node, add_scales, fit, asset_library, show_image,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

@@ -16,6 +16,7 @@ from ..given import is_given, take
 from ..lights import gather
 from ..materials import handlers, material, setup
 from ..versions import give_nodes, limits
+from . import slots
 
 _FROM_PANEL = (
     "implementation",
@@ -80,6 +81,12 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    all_slots: BoolProperty(
+        name="All Slots",
+        description="Every material slot of the selected objects diffracts, not the active ones alone",
+        options={"SKIP_SAVE"},
+    )
+
     dark_ground: BoolProperty(
         name="Dark Ground",
         description="Lay the colours over a dark pigment where the material is the untouched grey that Blender starts"
@@ -92,8 +99,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         if not context.scene.diffraction.table_path:
             cls.poll_message_set("Bake a table first")
             return False
-        if not any(_takes_material(ob) for ob in context.selected_objects):
-            cls.poll_message_set("Select an object with a surface")
+        if not any(slots.takes_material(ob) for ob in context.selected_objects):
+            cls.poll_message_set(slots.why_none(context.selected_objects))
             return False
         return True
 
@@ -118,18 +125,19 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         manager = context.window_manager
         manager.progress_begin(0.0, 1.0)  # a table's first material makes the image that directs rays, half a second
         try:
-            targets = [ob for ob in context.selected_objects if _takes_material(ob)]
-            shared = _shared(targets)
+            targets = [ob for ob in context.selected_objects if slots.takes_material(ob)]
+            places = slots.chosen(targets, self.all_slots)
+            shared = _shared(places)
             copied = shared if self.own_copy else {}
-            fresh = {ob.active_material for ob in targets if self.dark_ground and untouched(ob.active_material)}
-            made = _make(targets, copied, fresh, table.stem, lambda new: material.apply(new, table, settings))
+            fresh = {each.material for each in places if self.dark_ground and untouched(each.material)}
+            made = _make(places, copied, fresh, table.stem, lambda new: material.apply(new, table, settings))
         except DiffractionError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         finally:
             manager.progress_end()
-        for ob in targets:
-            _give(ob, made[ob.active_material])
+        for place, new in [(each, made[each.material]) for each in places]:
+            place.give(new)
         handlers.update_all()
         found = handlers.search(context.scene)
         notes = setup.prepare_scene(context.scene, implementation == "OSL")
@@ -139,6 +147,8 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         )
         if fresh:
             notes.append("a dark pigment in place of Blender's untouched grey")
+        if not self.all_slots and slots.only_active(targets):
+            notes.append(f"{slots.only_active(targets)}; All Slots below takes every one")
         self.report({"INFO"}, ". ".join([chosen, *notes]))
         for each, others in shared.items() if not self.own_copy else ():
             self.report({"WARNING"}, _changed_too(each, others))
@@ -188,14 +198,10 @@ def set_up(scene: bpy.types.Scene, shown: bpy.types.Material, table: Path, setti
     return setup.prepare_scene(scene, settings.implementation == "OSL")
 
 
-def _takes_material(ob: bpy.types.Object) -> bool:
-    return ob.type in {"MESH", "CURVE", "SURFACE", "META", "FONT"} and ob.is_editable and ob.data.is_editable
-
-
-def _shared(targets: list[bpy.types.Object]) -> dict[bpy.types.Material, list[bpy.types.Object]]:
+def _shared(places: list[slots.Slot]) -> dict[bpy.types.Material, list[bpy.types.Object]]:
     """Materials of ours that will change in place, with the objects beside the selected ones that show them."""
-    found = {}
-    for each in {ob.active_material for ob in targets}:
+    found, targets = {}, {place.ob for place in places}
+    for each in {place.material for place in places}:
         if material.is_ours(each) and each.is_editable:
             data = {ob.data for ob in targets}
             others = [
@@ -234,7 +240,7 @@ def _changed_too(each: bpy.types.Material, others: list[bpy.types.Object]) -> st
 
 
 def _make(
-    targets: list[bpy.types.Object],
+    places: list[slots.Slot],
     copied: dict[bpy.types.Material, list[bpy.types.Object]],
     fresh: set[bpy.types.Material | None],
     stem: str,
@@ -244,7 +250,7 @@ def _make(
     before = {kind: set(getattr(bpy.data, kind)) for kind in _KINDS}
     made = {}
     try:
-        for old in dict.fromkeys(ob.active_material for ob in targets):
+        for old in dict.fromkeys(place.material for place in places):
             if material.is_ours(old) and old.is_editable and old not in copied:
                 new = old
             elif old is not None and old not in fresh:
@@ -258,13 +264,6 @@ def _make(
         bpy.data.batch_remove([each for kind in _KINDS for each in set(getattr(bpy.data, kind)) - before[kind]])
         raise
     return made
-
-
-def _give(ob: bpy.types.Object, new: bpy.types.Material) -> None:
-    if ob.material_slots:
-        ob.active_material = new
-    else:
-        ob.data.materials.append(new)
 
 
 class DIFFRACTION_OT_restore_settings(bpy.types.Operator):

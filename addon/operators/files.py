@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import bpy
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, StringProperty
 
 from ...precompute.errors import DiffractionError, TableError
 from ...precompute.files.atomic import atomic_path
@@ -23,6 +22,8 @@ from ..preferences import bake_device
 from ..tables import bake_settings, recipe, scan_store
 from ..tables.bake_job import BakeJob
 from ..tables.table_state import READY, table_state
+from ..watch import report
+from ..watch.places import problems, tables
 
 SCOPE_ITEMS = [
     ("BROKEN", "Broken", "Tables that are missing, damaged or of another release"),
@@ -31,36 +32,27 @@ SCOPE_ITEMS = [
 ]
 
 
-def tables() -> dict[Path, list[bpy.types.Material]]:
-    """Materials of ours by the place where their table belongs."""
-    found: dict[Path, list[bpy.types.Material]] = {}
-    for each in bpy.data.materials:
-        if material.is_ours(each):
-            found.setdefault(travel.home(each), []).append(each)
-    return found
-
-
-def problems() -> Iterator[tuple[bpy.types.Material, str]]:
-    """Materials whose table cannot be read, and why."""
-    for users in tables().values():
-        for each in users:
-            found = table_state(material.table_path(each))
-            if found.kind != READY:
-                yield each, found.text
-
-
 class DIFFRACTION_OT_check_files(bpy.types.Operator):
-    """List the tables that are missing, damaged or of another release"""
+    """List tables that are missing, damaged or of another release, and what else keeps this scene from its colours"""
 
     bl_idname = "diffraction.check_files"
     bl_label = "Check Files"
 
+    strict: BoolProperty(
+        name="Strict",
+        description="End with an error where anything is wrong: a RuntimeError for scripts",
+        options={"SKIP_SAVE"},
+    )
+
     def execute(self, context: bpy.types.Context) -> set[str]:
-        found = list(problems())
-        for each, text in found:
-            self.report({"WARNING"}, f"{each.name}: {text}")
+        found = report.before_render(context.scene)
+        for text in found:
+            self.report({"WARNING"}, text)
         if not found:
             self.report({"INFO"}, f"All {len(tables())} tables are in place")
+        elif self.strict:
+            self.report({"ERROR"}, f"{len(found)} fault{'s' * (len(found) != 1)}: {'; '.join(found)}.")
+            return {"CANCELLED"}
         return {"FINISHED"}
 
 

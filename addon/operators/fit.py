@@ -10,31 +10,8 @@ import bpy
 from ...precompute.errors import DiffractionError
 from .. import renderers
 from ..materials import material, setup, travel
+from ..watch.misfits import misfits
 from . import apply_material
-
-
-def misfits(scene: bpy.types.Scene) -> list[bpy.types.Material]:
-    """Materials on the scene's objects that its engine or device does not render as diffraction."""
-    if not renderers.why_not_osl(scene) and _osl_is_on(scene):
-        return []
-    found = {
-        slot.material: None
-        for ob in scene.objects
-        for slot in ob.material_slots
-        if material.is_ours(slot.material) and material.shader_node(slot.material) is not None
-    }
-    return [each for each in found if material.needs_osl(each)]
-
-
-def why(scene: bpy.types.Scene) -> str:
-    """Why those do not fit, as a sentence."""
-    reason = renderers.why_not_osl(scene) or "Open Shading Language is off for this scene"
-    return f"{reason[0].upper()}{reason[1:]}: OSL materials show no diffraction"
-
-
-def _osl_is_on(scene: bpy.types.Scene) -> bool:
-    cycles = getattr(scene, "cycles", None)
-    return cycles is None or bool(cycles.shading_system)
 
 
 class DIFFRACTION_OT_fit_renderer(bpy.types.Operator):

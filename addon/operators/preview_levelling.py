@@ -47,7 +47,7 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
 
         def work(progress: Progress) -> Any:
             from ...precompute.readers import read_scan
-            from ...precompute.scan.levelling_picture import levelling_picture
+            from ...precompute.scan.levelling_picture import levelling_picture, levelling_thumbnail
             from ...precompute.scan.preparation import prepare
 
             progress("read", 0.0)
@@ -55,16 +55,16 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
             progress("level", 0.2)
             after = prepare(before, chosen)
             progress("draw", 0.5)
-            picture = levelling_picture(before, after)
+            picture, small = levelling_picture(before, after), levelling_thumbnail(before, after)
             progress("done", 1.0)
-            return picture, [step["warning"] for step in after.processing if step.get("warning")]
+            return picture, small, [step["warning"] for step in after.processing if step.get("warning")]
 
         return [Job(work)]
 
     def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The picture becomes an image."""
-        ((picture, warnings),) = results
-        pictures.show(context, IMAGE, picture)
+        ((picture, small, warnings),) = results
+        pictures.show(context, IMAGE, picture, small=small)
         for warning in warnings:
             self.report({"WARNING"}, warning)
         return f"The image '{IMAGE}' shows the heights; open it in an image editor"

@@ -11,7 +11,7 @@ from ...precompute.errors import DiffractionError
 from .. import paths
 from ..jobs import progress
 from ..operators.setting_presets import DIFFRACTION_MT_bake_presets
-from ..tables import bake_settings, estimates, light_file
+from ..tables import bake_settings, estimates, light_file, stack_preview
 from ..tables.table_state import NONE, READY, TableState, table_state, texture_bytes
 from .sidebar import Sidebar, Stage, button, duration, file_name, megabytes, note, number, split, vector
 
@@ -64,6 +64,12 @@ class DIFFRACTION_PT_bake_stuff(Sidebar, bpy.types.Panel):
             return
         if made["stack"] is not None:
             layout.prop(state, "stack_colour")
+            icon, said = stack_preview.plot(state.substrate, state.films, state.lacquer)
+            if icon:
+                self.layout.template_icon(icon_value=icon, scale=9.0)
+            column = self.layout.column(align=True)
+            column.label(text=said)
+            column.label(text="380 to 780 nm, upwards 0 to 90 degrees; right: in daylight")
             for text in made["stack"].notes:
                 note(layout, text)
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where people look for it: the menu File > Import, files dropped onto the 3-D view, the shader editor's Add menu,
-*Online Manual* in context menus, and `blender -c diffraction`."""
+"""Where people look for it: the menus File > Import and Object > Diffraction, which the search (F3) reads, files
+dropped onto the 3-D view, the shader editor, *Online Manual* on right-click, and `blender -c diffraction`."""
 
 from __future__ import annotations
 
@@ -55,10 +55,51 @@ def _import(self: Any, context: bpy.types.Context) -> None:
     self.layout.operator("diffraction.import_scan", text="Surface Scan (AFM, profiler)", icon="MESH_GRID")
 
 
+#: What the menu lists and the search therefore finds, by the panel's order; None stands for a line.
+COMMANDS = (
+    "import_scan", "make_preset", "preview_levelling", None,
+    "bake", "apply_material", "fit_renderer", "make_local", "restore_settings", None,
+    "viewport_render", "brdf_map", "reflectance", None,
+    "use_material_scan", "rebake", "check_files", "find_files", "collect_files", None,
+    "make_asset_library", "clear_cache",
+)  # fmt: skip
+
+
+class DIFFRACTION_MT_object(bpy.types.Menu):
+    """All that the tab Diffraction does"""
+
+    bl_label = "Diffraction"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        layout = self.layout
+        for name in COMMANDS:
+            if name is None:
+                layout.separator()
+            else:
+                layout.operator(f"diffraction.{name}")
+
+
+def _object(self: Any, context: bpy.types.Context) -> None:
+    self.layout.separator()
+    self.layout.menu(DIFFRACTION_MT_object.__name__)
+
+
 def _add_node(self: Any, context: bpy.types.Context) -> None:
     if context.space_data.type == "NODE_EDITOR" and context.space_data.tree_type == "ShaderNodeTree":
         self.layout.separator()
-        self.layout.operator("diffraction.add_node", text="Diffraction", icon="MATERIAL")
+        self.layout.menu("DIFFRACTION_MT_add", icon="MATERIAL")
+
+
+class DIFFRACTION_MT_add(bpy.types.Menu):
+    """Nodes of this extension"""
+
+    bl_idname = "DIFFRACTION_MT_add"
+    bl_label = "Diffraction"
+
+    def draw(self, context: bpy.types.Context) -> None:
+        self.layout.operator("diffraction.add_node", text="Diffraction")
+        self.layout.operator_context = "INVOKE_DEFAULT"
+        self.layout.operator_menu_enum("diffraction.add_snake_scales", "species", text="Snake Scales")
 
 
 #: Pages of the guide by patterns of what Blender calls a button: operators, and properties of the scene.
@@ -86,7 +127,7 @@ def command(arguments: list[str]) -> int:
     return main(arguments)
 
 
-_MENUS = (("TOPBAR_MT_file_import", _import), ("NODE_MT_shader_node_add_all", _add_node))
+_MENUS = (("TOPBAR_MT_file_import", _import), ("VIEW3D_MT_object", _object), ("NODE_MT_shader_node_add_all", _add_node))
 
 _command = None
 
@@ -116,4 +157,4 @@ def unregister() -> None:
         _command = None
 
 
-CLASSES = (DIFFRACTION_FH_scan,)
+CLASSES = (DIFFRACTION_FH_scan, DIFFRACTION_MT_object, DIFFRACTION_MT_add)

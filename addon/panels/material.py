@@ -10,9 +10,12 @@ import bpy
 
 from .. import paths, renderers
 from ..materials import material, scale, setup, travel
-from ..operators import fit
-from ..operators.files import farm_copies, is_fresh, tables
+from ..operators import slots
+from ..operators.files import farm_copies, is_fresh
 from ..tables.table_state import READY, table_state
+from ..versions import EEVEE
+from ..watch.misfits import misfits, why
+from ..watch.places import tables
 from .bake import scene_table
 from .sidebar import Sidebar, Stage, button, file_name, megabytes, note, number, split
 
@@ -28,13 +31,17 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout.prop(state, "implementation")
         implementation = state.implementation
         if implementation == "AUTO":
-            implementation, why = renderers.choose(context.scene, background=False)
-            note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {why}")
-        if implementation == "NODES":
-            note(layout, "Lamps by their middle; no environment. EEVEE takes lamps apart from 10 degrees on")
-        layout.prop(state, "fresnel")
-        if state.fresnel == "DIELECTRIC":
-            layout.prop(state, "ior")
+            implementation, reason = renderers.choose(context.scene, background=False)
+            note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {reason}")
+        if implementation == "NODES" and context.scene.render.engine == EEVEE:
+            note(layout, "EEVEE shows four lamps, by their middle; Cycles shows all light")
+        inside = scene_table(context.scene).info.get("stack")
+        if inside:
+            note(layout, f"Reflectance: {inside['text']}, from the table")
+        else:
+            layout.prop(state, "fresnel")
+            if state.fresnel in {"DIELECTRIC", "SCHLICK"}:
+                layout.prop(state, "ior")
         layout.prop(state, "orientation")
         active = context.object.data if context.object is not None and context.object.type == "MESH" else None
         if state.orientation in {"UV", "TEXTURE"} and active is not None:
@@ -45,11 +52,14 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
             layout.prop_search(state, "angle_image", bpy.data, "images")
         layout.prop(state, "rotation")
         layout.prop(state, "conserve_energy")
-        if implementation == "OSL":
-            number(layout, state, "environment", "off")
+        number(layout, state, "environment", "off")
         layout.operator("diffraction.apply_material", icon="MATERIAL")
-        if fit.misfits(context.scene):
-            note(layout, fit.why(context.scene), "ERROR")
+        which = slots.only_active(ob for ob in context.selected_objects if slots.takes_material(ob))
+        if which:
+            note(layout, which)
+            layout.operator("diffraction.apply_material", text="Apply to All Slots").all_slots = True
+        if misfits(context.scene):
+            note(layout, why(context.scene), "ERROR")
             layout.operator("diffraction.fit_renderer", icon="MODIFIER")
         for text in _scale(context):
             note(layout, text, "ERROR")
@@ -109,7 +119,7 @@ def draw_active(layout: bpy.types.UILayout, active: bpy.types.Material) -> None:
     _switches(layout, node)
     for name in material.LIVE_SOCKETS:
         socket = node.inputs.get(name)
-        if socket is not None and not socket.is_linked and not _without_effect(name, node, active):
+        if socket is not None and not (socket.is_linked or socket.hide) and not _without_effect(name, node):
             layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
 
 
@@ -117,9 +127,9 @@ def _switches(layout: bpy.types.UILayout, node: Any) -> None:
     """Fresnel and energy, which the node keeps as numbers, as buttons."""
     path = f'object.active_material.node_tree.nodes["{node.name}"].inputs'
     fresnel, energy = (node.inputs.get(name) for name in ("Fresnel", "ConserveEnergy"))
-    if fresnel is not None and not fresnel.is_linked:
+    if fresnel is not None and not (fresnel.is_linked or fresnel.hide):
         row = layout.row(align=True)
-        for value, text in ((1, "Dielectric"), (2, "Conductor"), (0, "All")):
+        for value, text in ((3, "Dielectric"), (2, "Conductor"), (1, "Schlick"), (0, "All")):
             choice = row.operator("wm.context_set_int", text=text, depress=fresnel.default_value == value)
             choice.data_path, choice.value = f'{path}["Fresnel"].default_value', value
     if energy is not None and not energy.is_linked:
@@ -128,11 +138,9 @@ def _switches(layout: bpy.types.UILayout, node: Any) -> None:
         choice.data_path, choice.value = f'{path}["ConserveEnergy"].default_value', 1 - energy.default_value
 
 
-def _without_effect(name: str, node: Any, active: bpy.types.Material) -> bool:
-    """Whether a socket does nothing here: nodes have no environment, a conductor no index of refraction."""
-    if name == "Environment":
-        return not material.needs_osl(active)
-    return name == "IOR" and node.inputs["Fresnel"].default_value != 1
+def _without_effect(name: str, node: Any) -> bool:
+    """Whether a socket does nothing here: a conductor has no index of refraction."""
+    return name == "IOR" and node.inputs["Fresnel"].default_value not in (1, 3)
 
 
 class DIFFRACTION_PT_material_tab(bpy.types.Panel):

@@ -9,7 +9,10 @@ from typing import Any
 
 import bpy
 
+from .. import notices
 from ..jobs import progress
+from ..materials import refresh
+from ..watch import report
 
 #: At a user interface scale of 1, in pixels: a character of ordinary text, and what margins and an icon take.
 _CHARACTER, _MARGINS = 6.4, 72.0
@@ -90,6 +93,8 @@ def file_name(path: str) -> str:
 
 def megabytes(count: float) -> str:
     """Bytes as people say them."""
+    if count < 1e6:
+        return f"{count / 1e3:.0f} kB"
     return f"{count / 1e9:.2f} GB" if count >= 1e9 else f"{count / 1e6:.0f} MB"
 
 
@@ -109,6 +114,14 @@ class DIFFRACTION_PT_main(Sidebar, bpy.types.Panel):
         layout = self.layout
         if context.scene.diffraction.message:
             note(layout, context.scene.diffraction.message, "ERROR")
+        for text in notices.said():
+            note(layout, text)
+        broken = refresh.broken()
+        if broken:
+            more = f", and {len(broken) - 1} more materials" if len(broken) > 1 else ""
+            note(layout, f"{broken[0]}{more}. Material > Files bakes or finds it", "ERROR")
+        for text in report.in_panels(context.scene):
+            note(layout, text, "ERROR")
 
 
 CLASSES = (DIFFRACTION_PT_main,)

@@ -145,7 +145,7 @@ class Renderer:
         return count
 
     def _fail(self, attempt: tuple, message: str) -> None:
-        if message != self.message:
+        if message != self.message and bpy.app.background:  # a window shows it in the panel
             print(f"Diffraction: {message}")
         self.message, self._failed = message, attempt
 

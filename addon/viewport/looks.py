@@ -64,7 +64,7 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
     look = Surface(
         layout=layout,
         to_rgb=xyz_to_rgb_matrix(working_space(), illuminant),
-        fresnel=modes.get(int(value("Fresnel", 1)), "DIELECTRIC"),
+        fresnel=modes.get(int(value("Fresnel", 3)), "DIELECTRIC"),
         ior=float(value("IOR", 1.5)),
         conductor_n=tuple(value("ConductorN", (1.35, 0.95, 0.61)))[:3],
         conductor_k=tuple(value("ConductorK", (7.47, 6.54, 5.47)))[:3],
@@ -93,7 +93,7 @@ def relative_gain(info: dict, look: Surface) -> float:
     area = coherence_area((rows, cols), size_x / cols, size_y / rows, parameters["sigma_s_m"], parameters["ensemble"])
     normal = np.array([0.0, 0.0, 1.0])
     gain = float(relative_colour_factor(normal, normal, area, info["colour"]["illuminant"]))
-    if look.fresnel == "DIELECTRIC" and not look.layout.holds_reflectance:
+    if look.fresnel in {"DIELECTRIC", "SCHLICK"} and not look.layout.holds_reflectance:
         gain /= max(((look.ior - 1.0) / (look.ior + 1.0)) ** 2, 1e-6)
     return gain
 

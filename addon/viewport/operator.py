@@ -70,7 +70,8 @@ class DIFFRACTION_OT_viewport_render(bpy.types.Operator):
         """A button: what this view shows, as an image that a window shows."""
         self.eye = "VIEW"
         self.filepath = ""
-        shading = context.space_data.shading.type
+        space = context.space_data
+        shading = space.shading.type if isinstance(space, bpy.types.SpaceView3D) else "SOLID"
         self.shading = shading if shading in {"MATERIAL", "RENDERED"} else "SOLID"
         self.width = self.height = 0
         return self._draw(context, to_window=True)

@@ -34,9 +34,10 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     from ..evaluate.direct import direct_f, direct_xyz
     from ..scan.preparation import prepare
 
-    parameters = options.bake_parameters(args)
     if args.method != "direct":
-        return _by_method(args, parameters)
+        # The series is the method's, which bakes of a stack have not.
+        return _by_method(args, options.bake_parameters(argparse.Namespace(**{**vars(args), "series": "nodes"})))
+    parameters = options.bake_parameters(args)
     stuff: dict[str, Any] = {"stack": parameters.stack, "lacquer": parameters.lacquer}
     said = options.said_stuff(parameters)
     patch = prepare(options.read(args), parameters)
@@ -70,28 +71,30 @@ def _by_method(args: argparse.Namespace, parameters: BakeParameters) -> dict[str
     from ..evaluate.directions import uvw
     from ..evaluate.methods import make_method
     from ..evaluate.methods.flss import STEP_M, method_xyz
-    from ..evaluate.surface import geometry_factor, relative_factor
+    from ..evaluate.surface import cos_half, geometry_factor, relative_factor
     from ..scan.preparation import prepare
 
-    if parameters.stack is not None or parameters.lacquer is not None:
-        raise ParameterError(f"The method '{args.method}' knows neither films nor lacquer; leave --method out.")
+    if parameters.lacquer is not None:
+        raise ParameterError(f"The method '{args.method}' knows no lacquer; leave --method or --lacquer out.")
     if parameters.ensemble != "single" and args.method != "pq":
         raise ParameterError(f"The method '{args.method}' has one coherence window; add --ensemble single.")
     patch = prepare(options.read(args), replace(parameters, ensemble="single"))
-    series = "chebyshev" if parameters.series == "nodes" else parameters.series
+    series = "chebyshev" if args.series == "nodes" else args.series
     tolerance = None if args.method == "flss" else parameters.tolerance
     made = make_method(args.method, patch, parameters.sigma_s_m, series, tolerance, tuple(args.replicas))
     wi, wr = options.direction(args.wi), options.direction(args.wr)
     if args.wavelength_nm is None:
         step = STEP_M if args.step_nm is None else args.step_nm * 1e-9
-        xyz = method_xyz(made, wi, wr, parameters.illuminant, step, args.normalisation)
-        return {"xyz": xyz.tolist(), **made.facts}
+        xyz = method_xyz(made, wi, wr, parameters.illuminant, step, args.normalisation, parameters.stack)
+        return {"xyz": xyz.tolist(), **options.said_stuff(parameters), **made.facts}
     wavelength = check_wavelength(args.wavelength_nm * 1e-9)
     factor = float(geometry_factor(wi, wr))
     f = factor * float(made.transform(*uvw(wi, wr), wavelength)) if factor > 0 else 0.0
     if args.normalisation == "relative":
         f *= float(relative_factor(wi, wr, wavelength, made.area_m2))
-    return {"f": f, **made.facts}
+    if parameters.stack is not None:
+        f *= float(parameters.stack.reflectance(np.array([wavelength]), cos_half(wi, wr))[0])
+    return {"f": f, **options.said_stuff(parameters), **made.facts}
 
 
 def describe(result: dict[str, Any]) -> str:

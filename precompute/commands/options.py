@@ -124,8 +124,8 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
     )
 
 
-def add_stuff(parser: argparse.ArgumentParser) -> None:
-    """--substrate, --film, --lacquer and --energy."""
+def add_stack(parser: argparse.ArgumentParser) -> None:
+    """--substrate and --film."""
     parser.add_argument(
         "--substrate",
         metavar="MATERIAL",
@@ -139,6 +139,11 @@ def add_stuff(parser: argparse.ArgumentParser) -> None:
         metavar="MATERIAL:NM",
         help="a film on it and its thickness; repeat it, outermost first; '(chitin:100,melanin:80)x12' repeats a group",
     )
+
+
+def add_stuff(parser: argparse.ArgumentParser) -> None:
+    """`add_stack`, --lacquer and --energy."""
+    add_stack(parser)
     parser.add_argument("--lacquer", metavar="MATERIAL", help="a clear layer over the relief")
     parser.add_argument(
         "--energy",
@@ -149,13 +154,15 @@ def add_stuff(parser: argparse.ArgumentParser) -> None:
 
 
 def stuff(args: argparse.Namespace) -> dict[str, Any]:
-    """Keyword arguments of `BakeParameters` that `add_stuff` collected; none where it was not asked."""
+    """Keyword arguments of `BakeParameters` that `add_stack` or `add_stuff` collected; none where it was not asked."""
     if "substrate" not in args:
         return {}
     from ..stack import material_of, parse_stack
 
-    lacquer = None if args.lacquer is None else material_of(args.lacquer)
-    return {"stack": parse_stack(args.substrate, args.film), "lacquer": lacquer, "energy": args.energy}
+    found: dict[str, Any] = {"stack": parse_stack(args.substrate, args.film)}
+    if "lacquer" in args:
+        found |= {"lacquer": None if args.lacquer is None else material_of(args.lacquer), "energy": args.energy}
+    return found
 
 
 def said_stuff(parameters: BakeParameters) -> dict[str, Any]:

@@ -35,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--out", metavar="PLOT", help="the plot: .png, .pdf or .svg")
     options.add_parameters(parser)
+    options.add_stack(parser)
     # One window in the middle; with the thesis's methods the series is a choice of its own.
     parser.set_defaults(ensemble="single", series="chebyshev", tolerance=None)
 
@@ -54,8 +55,9 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     if args.replicas is not None and args.method != "pq":
         raise ParameterError("Copies belong to the periodic surface; add --method pq.")
     # The tolerance is the method's here; the patch is prepared as for a bake.
-    bake = argparse.Namespace(**{**vars(args), "tolerance": BakeParameters().tolerance})
-    patch = prepare(options.read(args), options.bake_parameters(bake))
+    bake = argparse.Namespace(**{**vars(args), "tolerance": BakeParameters().tolerance, "series": "nodes"})
+    parameters = options.bake_parameters(bake)
+    patch = prepare(options.read(args), parameters)
     lattice = _lattice(patch)
     if args.lattice is not None:
         if args.phi is not None:
@@ -82,6 +84,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
             args.method,
             args.normalisation,
             progress,
+            parameters.stack,
             sigma_s_m=None if args.sigma_s_um is None else args.sigma_s_um * 1e-6,
             series=args.series,
             tolerance=args.tolerance,
@@ -94,6 +97,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         "variance_nm2": float(nm.var()),
         "method": args.method,
         **facts,
+        **options.said_stuff(parameters),
         "phi_deg": phi,
         "lattice": lattice,
         "curve": [
@@ -103,6 +107,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     }  # fmt: skip
     if args.out is not None:
         title = f"{args.method}, light at {args.theta_i:g} deg: d = {nm.mean():.2f} nm, variance {nm.var():.3g} nm2"
+        if parameters.stack is not None:
+            title += f", R of {parameters.stack}"
         result["out"] = str(
             save_plot(args.out, plane, values, peaks, _curve_period(args, phi, lattice, periods), title)
         )
@@ -134,6 +140,7 @@ def _lattice(patch) -> list[dict[str, float]]:
 def describe(result: dict[str, Any]) -> str:
     """The statistics, what the method cost, and the periods of the heights."""
     lines = [f"period    {result['mean_nm']:.3f} nm, variance {result['variance_nm2']:.4g} nm2", *method_lines(result)]
+    lines += options.stuff_lines(result)
     lines += [
         f"lattice   {vector['spacing_nm']:.1f} nm along {vector['phi_deg']:.1f} deg" for vector in result["lattice"]
     ]

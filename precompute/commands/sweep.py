@@ -16,6 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_scan(parser, several=True)
     parser.add_argument("--out", required=True, metavar="DIR", help="folder of the tables; made if missing")
     options.add_parameters(parser, several=True)
+    options.add_stuff(parser)
     parser.add_argument("--detail", nargs="+", type=options.number, default=default.detail)
     parser.add_argument("--limit-mb", type=options.number, default=default.limit_bytes / 1e6, metavar="MB")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a dask scheduler; by default a cluster of our own")
@@ -33,7 +34,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
     if args.workers < 0 or args.retries < 0:
         raise ParameterError("The numbers of workers and retries cannot be negative.")
-    base = BakeParameters(limit_bytes=int(args.limit_mb * 1e6))
+    base = BakeParameters(limit_bytes=int(args.limit_mb * 1e6), **options.stuff(args))
     tasks = make_tasks(args.file, base, options.parameter_values(args), options.scan_reading(args))
     cache = options.cache(args)
     with options.Progress() as progress:
@@ -61,6 +62,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     states = [outcome.state for outcome in outcomes]
     return {
         "tables": [outcome.table for outcome in outcomes],
+        **options.said_stuff(base),
         **{state: states.count(state) for state in ("baked", "cached", "skipped")},
     }
 
@@ -68,4 +70,4 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 def describe(result: dict[str, Any]) -> str:
     """Counts."""
     counts = ", ".join(f"{result[state]} {state}" for state in ("baked", "cached", "skipped"))
-    return f"{len(result['tables'])} tables: {counts}"
+    return "\n".join([f"{len(result['tables'])} tables: {counts}", *options.stuff_lines(result)])

@@ -35,7 +35,12 @@ def check_size(size: int) -> int:
 
 
 def brdf_map(
-    table: Transform, wi: np.ndarray, size: int = 512, fresnel: float | None = None, energy_conserving: bool = False
+    table: Transform,
+    wi: np.ndarray,
+    size: int = 512,
+    fresnel: complex | None = None,
+    energy_conserving: bool = False,
+    form: str = "schlick",
 ) -> np.ndarray:
     """The absolute BRDF of a table towards every view direction.
 
@@ -47,7 +52,7 @@ def brdf_map(
         ``(3,)`` unit vector towards the light.
     size
         Pixels a side.
-    fresnel, energy_conserving
+    fresnel, energy_conserving, form
         As in `precompute.evaluate.surface.brdf`.
 
     Returns
@@ -61,7 +66,7 @@ def brdf_map(
     def fill(start: int) -> None:
         rows = slice(start, start + _BLOCK_ROWS)
         here = inside[rows]
-        xyz[rows][here] = brdf(table, wi, directions[rows][here], fresnel, energy_conserving)
+        xyz[rows][here] = brdf(table, wi, directions[rows][here], fresnel, energy_conserving, form)
 
     with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
         list(pool.map(fill, range(0, size, _BLOCK_ROWS)))

@@ -16,10 +16,11 @@ import numpy as np
 
 from ..errors import ParameterError
 from ..scan.heightfield import HeightField
+from ..stack import Stack
 from .directions import from_angles, uvw
 from .methods import make_method
 from .methods.bins import Band
-from .surface import geometry_factor, relative_factor
+from .surface import cos_half, geometry_factor, relative_factor
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,9 +95,10 @@ def response(
     method: str = "windowed",
     normalisation: str = "relative",
     progress: Callable[[str, float], None] | None = None,
+    stack: Stack | None = None,
     **options: Any,
 ) -> tuple[np.ndarray, dict[str, Any]]:
-    """BRDF over wavelengths and views.
+    """BRDF over wavelengths and views, R = 1 or that of a stack.
 
     Parameters
     ----------
@@ -110,6 +112,8 @@ def response(
         ``relative`` (factor C of the thesis) or ``absolute`` (1/sr).
     progress
         Called with a text and the fraction that is done; an exception it raises ends the computation.
+    stack
+        What the surface is made of: its reflectance at the half angle is multiplied in.
 
     Returns
     -------
@@ -132,6 +136,8 @@ def response(
         row = factor * made.transform(u, v, w, wavelength)
         if normalisation == "relative":
             row = row * relative_factor(wi, wr, wavelength, made.area_m2)
+        if stack is not None:
+            row = row * stack.reflectance(np.array([wavelength]), cos_half(wi, wr))[0]
         rows.append(row)
     return np.array(rows), made.facts
 

@@ -21,11 +21,15 @@ import numpy as np
 
 from ..bake.window import check_ensemble, check_sigma_s, taper_axis, window_axis
 from ..errors import ParameterError
-from ..stack import fresnel_exact
+from ..stack import fresnel_conductor, fresnel_exact
 from .directions import uvw
 
 #: Refractive index of keratin, the stuff of scales and nails; the default of the Fresnel term.
 IOR_KERATIN = 1.55
+
+
+#: Forms of the reflectance of a dielectric: the thesis's approximation, and Fresnel's own formulas.
+FORMS = ("schlick", "exact")
 
 
 class Transform(Protocol):
@@ -127,10 +131,33 @@ def schlick(cosine: np.ndarray, r0: float) -> np.ndarray:
     return r0 + (1.0 - r0) * (1.0 - np.asarray(cosine, float)) ** 5
 
 
-def reflectance(wi: np.ndarray, wr: np.ndarray, fresnel: float | None) -> np.ndarray:
-    """R at the half angle for a boundary from air to the refractive index ``fresnel``; 1 for None."""
+def reflectance(wi: np.ndarray, wr: np.ndarray, fresnel: complex | None, form: str = "schlick") -> np.ndarray:
+    """R of unpolarised light at the half angle.
+
+    Parameters
+    ----------
+    wi, wr
+        ``(..., 3)`` unit vectors; they broadcast.
+    fresnel
+        Refractive index of the material in air; complex n + ik for a conductor, which is always exact. None: R = 1.
+    form
+        Of a dielectric: ``schlick`` (the thesis, and scripts of 0.1.0) or ``exact`` (the materials' default).
+
+    Raises
+    ------
+    ParameterError
+        For indices and forms that are none.
+    """
     cosine = cos_half(wi, wr)
-    return np.ones_like(cosine) if fresnel is None else schlick(cosine, fresnel_r0(1.0, fresnel))
+    if form not in FORMS:
+        raise ParameterError(f"The Fresnel form '{form}' is not known; choose one of {', '.join(FORMS)}.")
+    if fresnel is None:
+        return np.ones_like(cosine)
+    index = complex(fresnel)
+    r0 = fresnel_r0(1.0, index.real)
+    if index.imag:
+        return fresnel_conductor(index.real, index.imag, cosine)
+    return schlick(cosine, r0) if form == "schlick" else fresnel_exact(index.real, cosine)
 
 
 def conservation(table: Transform, wi: np.ndarray, wr: np.ndarray) -> np.ndarray:
@@ -142,8 +169,9 @@ def brdf(
     table: Transform,
     wi: np.ndarray,
     wr: np.ndarray,
-    fresnel: float | None = None,
+    fresnel: complex | None = None,
     energy_conserving: bool = False,
+    form: str = "schlick",
 ) -> np.ndarray:
     """The absolute BRDF of a table.
 
@@ -155,9 +183,11 @@ def brdf(
     wi, wr
         ``(..., 3)`` unit vectors towards the light and the viewer; they broadcast.
     fresnel
-        Refractive index of the material in air; None leaves Fresnel away (R = 1).
+        Refractive index of the material in air, or n + ik; None leaves Fresnel away (R = 1).
     energy_conserving
         Divide by ``max(1, a(wi), a(wr))``. The raw Kirchhoff model is the default here; renderers conserve.
+    form
+        Of the reflectance of a dielectric, see `reflectance`; ``exact`` is what materials show by default.
 
     Returns
     -------
@@ -176,7 +206,7 @@ def brdf(
     if index > 1.0:
         factor = lacquer_factor(wi, wr, index)
     else:
-        factor = geometry_factor(wi, wr) * reflectance(wi, wr, fresnel)
+        factor = geometry_factor(wi, wr) * reflectance(wi, wr, fresnel, form)
     if energy_conserving:
         factor = factor * conservation(table, wi, wr)
     lit = factor > 0

@@ -15,14 +15,17 @@ import numpy as np
 
 from ..errors import ParameterError, SizeLimitError
 from ..scan.heightfield import HeightField
-from . import bumps, discs, foils, gratings, morpho, snake
+from . import bumps, coated, discs, foils, gratings, morpho, snake
 from .looks import LOOKS, Look, look_of
 from .preset import Parameter, Preset
 
 __all__ = ["LOOKS", "PRESETS", "Look", "Parameter", "Preset", "look_of", "make_preset"]
 
+#: Files of Blender keep a preset's number in this order: new ones go to the end.
 PRESETS: dict[str, Preset] = {
-    preset.name: preset for module in (snake, gratings, discs, foils, morpho, bumps) for preset in module.PRESETS
+    preset.name: preset
+    for module in (snake, gratings, discs, foils, morpho, bumps, coated)
+    for preset in module.PRESETS
 }
 
 #: Most pixels a side.

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Optical discs: tracks along y, cut into pits of random length.
 
-The reflecting layer's relief is given in real dimensions. A disc is looked at through its plastic
-(n = 1.58), which leaves the directions of the orders as they are but makes the relief's phase 1.58
-times deeper: multiply ``depth_nm`` by it to imitate that.
+The reflecting layer's relief is given in real dimensions. A disc is looked at through its plastic, which leaves the
+directions of the orders as they are but makes the relief's phase 1.58 times deeper. The discs' looks bake them under a
+lacquer of polycarbonate, which does that and all else that a clear layer does; ``depth_nm`` stays the real depth.
 """
 
 from __future__ import annotations
@@ -57,9 +57,7 @@ def _parameters(pitch: float, width: float, depth: float) -> tuple[Parameter, ..
     return (
         Parameter("track_pitch_um", pitch, "um", 0.1, 10.0, "Distance from track to track along x"),
         Parameter("pit_width_um", width, "um", 0.02, 5.0, "Width of a pit"),
-        Parameter(
-            "depth_nm", depth, "nm", 0.0, 1000.0, "Height of the relief; times 1.58 for a disc seen through plastic"
-        ),
+        Parameter("depth_nm", depth, "nm", 0.0, 1000.0, "Height of the relief; the look's plastic deepens its phase"),
         seed("other data"),
     )
 

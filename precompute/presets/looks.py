@@ -12,7 +12,7 @@ side. Random structures keep the ensemble's default, a tenth of the patch, whose
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 
@@ -34,6 +34,8 @@ class Look:
         How coherence windows are averaged.
     sigma_s_um
         Coherence window in micrometres; 0 takes the ensemble's default.
+    substrate, films, lacquer
+        What the surface is made of, as the panel has it typed; then the table holds the reflectance. Empty: none.
     """
 
     orientation: str = "UV"
@@ -42,6 +44,14 @@ class Look:
     level: str = "none"
     ensemble: str = "average"
     sigma_s_um: float = 0.0
+    substrate: str = ""
+    films: str = ""
+    lacquer: str = ""
+
+    @property
+    def is_bright(self) -> bool:
+        """Whether it reflects about as much as metal, twenty times as much as skin."""
+        return self.fresnel == "CONDUCTOR" or bool(self.substrate)
 
     def settings(self) -> dict[str, Any]:
         """The same by the names of the panel's properties."""
@@ -50,6 +60,10 @@ class Look:
     def summary(self) -> str:
         """In words, for the panel and the docs."""
         surface = "conductor" if self.fresnel == "CONDUCTOR" else f"dielectric of index {self.ior:g}"
+        if self.substrate:
+            surface = " on ".join((*self.films.split(), self.substrate))
+        if self.lacquer:
+            surface += f" under {self.lacquer}"
         lies = "radial" if self.orientation == "RADIAL" else "along the UV map"
         window = f"coherence {self.sigma_s_um:g} um" if self.sigma_s_um else "coherence of the patch"
         return f"{surface}, {lies}, levelling {self.level}, {self.ensemble}, {window}"
@@ -58,22 +72,30 @@ class Look:
 _SKIN = Look()
 _METAL = Look(fresnel="CONDUCTOR")
 _GRATING = Look(fresnel="CONDUCTOR", sigma_s_um=8.0)
-_DISC = Look(orientation="RADIAL", fresnel="CONDUCTOR", sigma_s_um=8.0)
+_DISC = Look(orientation="RADIAL", fresnel="CONDUCTOR", sigma_s_um=8.0, substrate="Al", lacquer="polycarbonate")
 
 #: By the preset's name; a new preset is one more line here.
 LOOKS: dict[str, Look] = {
     "snake": _SKIN,
     "elaphe": _SKIN,
-    "morpho": _SKIN,
+    # Kinoshita, Yoshioka and Kawagoe (2002): lamellae of cuticle 0.2 um apart with air between, pigment below. A stack
+    # as wide as the scale, under the heights of the ridges, is a model; it peaks at 2 (n d + air) = 468 nm.
+    "morpho": Look(substrate="melanin", films="(chitin:60,1:140)x8"),
     "flat": _METAL,
     "sinusoid": _GRATING,
     "blazed": _GRATING,
     "foil": _GRATING,
     "cd": _DISC,
     "dvd": _DISC,
-    "bluray": Look(orientation="RADIAL", fresnel="CONDUCTOR", sigma_s_um=5.0),
+    "bluray": replace(_DISC, sigma_s_um=5.0),
     "brushed_metal": _METAL,
     "stam_bumps": _METAL,
+    "gold_foil": replace(_GRATING, substrate="Au"),
+    "copper_plate": replace(_GRATING, substrate="Cu"),
+    "titanium_ripple": Look(fresnel="CONDUCTOR", substrate="Ti", films="TiO2:50"),
+    "jewel_beetle": Look(substrate="melanin", films="(melanin:75,chitin:90)x8"),
+    "oily_plate": Look(fresnel="CONDUCTOR", substrate="Fe", films="1.47:400"),
+    "lacquered_foil": replace(_GRATING, substrate="Al", lacquer="PMMA"),
 }
 
 

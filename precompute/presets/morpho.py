@@ -4,8 +4,8 @@
 The scale carries parallel ridges; each is a stack of tilted lamellae whose edges come to the
 ridge's top one after the other, and the ridges' heights are irregular, which spreads the colour
 over directions (Kinoshita, Yoshioka and Kawagoe, Proc. R. Soc. B 269, 2002). The blue itself is
-made by interference *inside* the stack, which no heightfield has: this preset shows the ridges'
-diffraction and its spread, give the blue to the base shader.
+made by interference *inside* the stack, which no heightfield has. The preset's look adds it as a model: the table's
+heights times the reflectance of lamellae as wide as the scale (`looks.py`).
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ PRESETS = (
     Preset(
         "morpho",
         "Morpho Ridges",
-        "Ridges of a Morpho butterfly's scale; their diffraction only, the blue of the stacked lamellae is not in a "
-        "heightfield.",
+        "Ridges of a Morpho butterfly's scale over a stack of lamellae; the heights alone hold no blue, the look's "
+        "stack does.",
         "Kinoshita, Yoshioka and Kawagoe, Proc. R. Soc. B 269 (2002) 1417: ridges 0.7 um apart and 0.3 um broad, "
         "lamellae 0.2 um apart and tilted, irregular heights.",
         40.0,

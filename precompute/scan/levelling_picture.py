@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from .heightfield import HeightField
-from .lattice import find_lattice, power_spectrum
+from .lattice import Lattice, find_lattice, power_spectrum
 
 _BACKGROUND, _INK, _BEFORE, _AFTER, _MARK = "#1d1d1d", "#d8d8d8", "#8a8a8a", "#e8a33d", "#4fd0e0"
 
@@ -42,16 +44,58 @@ def levelling_picture(before: HeightField, after: HeightField, size: tuple[int, 
     _spectrum(axes[3], after)
     for one in axes:
         _style(one)
-    canvas = FigureCanvasAgg(figure)
+    return _pixels(FigureCanvasAgg(figure))
+
+
+def levelling_thumbnail(before: HeightField, after: HeightField, side: int = 320) -> np.ndarray:
+    """The same for the width of a sidebar: what is left of it there can be read.
+
+    Parameters
+    ----------
+    before, after
+        See `levelling_picture`.
+    side
+        Of the square picture, in pixels.
+
+    Returns
+    -------
+    ndarray
+        ``(side, side, 3)`` display values 0 to 1, row 0 at the bottom.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(3.2, 3.2), dpi=side / 3.2, facecolor=_BACKGROUND, layout="constrained")
+    axes = figure.subplots(2, 2).ravel()
+    for axis, field, title in zip(axes, (before, after), ("Before", "After"), strict=False):
+        nm = _shown_heights(axis, field)[0]
+        axis.set_title(f"{title}\n{np.nanmax(nm) - np.nanmin(nm):.4g} nm high")
+    _histogram(axes[2], before, after, legend=False)
+    axes[2].set_title("Histogram")
+    found = _spectrum(axes[3], after, spacings=False)
+    axes[3].set_title(f"Period {1e6 * found.spacings_m[0]:.4g} um" if len(found.frequencies) else "No lattice")
+    for one in axes:
+        _style(one)
+        one.set(xticks=[], yticks=[], xlabel="", ylabel="")
+    return _pixels(FigureCanvasAgg(figure))
+
+
+def _pixels(canvas) -> np.ndarray:
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[::-1, :, :3] / 255.0
 
 
-def _heights(figure, axis, field: HeightField, title: str) -> None:
+def _shown_heights(axis, field: HeightField) -> tuple[np.ndarray, Any]:
     nm = 1e9 * np.where(field.missing, np.nan, field.heights)
     low, high = np.nanpercentile(nm, [0.5, 99.5])
     extent = (0.0, 1e6 * field.size_m[0], 0.0, 1e6 * field.size_m[1])
-    shown = axis.imshow(nm, origin="lower", extent=extent, cmap="cividis", vmin=low, vmax=high, interpolation="nearest")
+    return nm, axis.imshow(
+        nm, origin="lower", extent=extent, cmap="cividis", vmin=low, vmax=high, interpolation="nearest"
+    )
+
+
+def _heights(figure, axis, field: HeightField, title: str) -> None:
+    nm, shown = _shown_heights(axis, field)
     bar = figure.colorbar(shown, ax=axis, label="nm", fraction=0.05)
     bar.ax.tick_params(colors=_INK, labelsize=8)
     bar.ax.yaxis.label.set_color(_INK)
@@ -62,7 +106,7 @@ def _heights(figure, axis, field: HeightField, title: str) -> None:
     axis.set_ylabel("y (um)")
 
 
-def _histogram(axis, before: HeightField, after: HeightField) -> None:
+def _histogram(axis, before: HeightField, after: HeightField, legend: bool = True) -> None:
     values = [1e9 * (field.valid - np.median(field.valid)) for field in (before, after)]
     low, high = min(v.min() for v in values), max(v.max() for v in values)
     edges = np.linspace(low, max(high, low + 1e-3), 161)
@@ -72,10 +116,11 @@ def _histogram(axis, before: HeightField, after: HeightField) -> None:
     axis.set_title("Histogram of the heights")
     axis.set_xlabel("height above the median (nm)")
     axis.set_ylabel("% of the pixels")
-    axis.legend(facecolor=_BACKGROUND, edgecolor="none", labelcolor=_INK, fontsize=9)
+    if legend:
+        axis.legend(facecolor=_BACKGROUND, edgecolor="none", labelcolor=_INK, fontsize=9)
 
 
-def _spectrum(axis, field: HeightField) -> None:
+def _spectrum(axis, field: HeightField, spacings: bool = True) -> Lattice:
     power, fx, fy = power_spectrum(field)
     level = np.log10(np.maximum(power, power.max() * 10.0**-_DECADES) + np.finfo(float).tiny)
     lattice = find_lattice(field)
@@ -92,12 +137,14 @@ def _spectrum(axis, field: HeightField) -> None:
         for sign in (1.0, -1.0):
             axis.plot(*(sign * vector), "o", markersize=13, markerfacecolor="none", markeredgecolor=_MARK)
         axis.annotate("", vector, (0.0, 0.0), arrowprops={"arrowstyle": "->", "color": _MARK})
-        axis.annotate(
-            f"{1e6 * spacing:.4g} um", vector, color=_MARK, textcoords="offset points", xytext=(10, 6), fontsize=10
-        )
+        if spacings:
+            axis.annotate(
+                f"{1e6 * spacing:.4g} um", vector, color=_MARK, textcoords="offset points", xytext=(10, 6), fontsize=10
+            )
     axis.set_title("Spectrum and lattice" if len(found) else "Spectrum (no lattice found)")
     axis.set_xlabel("fx (1/um)")
     axis.set_ylabel("fy (1/um)")
+    return lattice
 
 
 def _style(axis) -> None:

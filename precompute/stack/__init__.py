@@ -8,7 +8,7 @@
 from .material import Material
 from .materials import MATERIALS, material_of
 from .stack import Film, Group, Stack, parse_stack, split_films, stack_of, to_json
-from .transfer import fresnel_exact, reflectance
+from .transfer import fresnel_conductor, fresnel_exact, reflectance
 
 __all__ = [
     "MATERIALS",
@@ -16,6 +16,7 @@ __all__ = [
     "Group",
     "Material",
     "Stack",
+    "fresnel_conductor",
     "fresnel_exact",
     "material_of",
     "parse_stack",

@@ -80,6 +80,23 @@ def reflectance(
     return np.clip(0.5 * (s + p), 0.0, 1.0)
 
 
+def fresnel_conductor(n: float | np.ndarray, k: float | np.ndarray, cos_theta: np.ndarray) -> np.ndarray:
+    """Reflectance of unpolarised light at a face between air and a medium of index n + ik (Born & Wolf, 14.2).
+
+    Parameters
+    ----------
+    n, k
+        Refractive index and extinction; they broadcast against the cosines.
+    cos_theta
+        Cosine in the air.
+    """
+    c = np.clip(np.asarray(cos_theta, float), _LEAST_COS, 1.0)
+    square = (np.asarray(n, float) + 1j * np.asarray(k, float)) ** 2
+    inside = np.sqrt(square - (1.0 - c**2))
+    s, p = (c - inside) / (c + inside), (square * c - inside) / (square * c + inside)
+    return 0.5 * (np.abs(s) ** 2 + np.abs(p) ** 2)
+
+
 def fresnel_exact(n: float | np.ndarray, cos_theta: np.ndarray) -> np.ndarray:
     """Reflectance of unpolarised light at a face between air and a clear medium of index n (Born & Wolf, 1.5.2).
 

@@ -38,7 +38,7 @@ import numpy as np
 from ..errors import TableError
 from ..files.atomic import atomic_path
 from ..files.exr import write_image
-from .layout import TableLayout
+from .layout import GUARD, GUARD_SIDE, TableLayout
 from .table import SpectralTable
 
 #: Polar angles of the views, steps of the radius, rows of angles, steps of the angle.
@@ -60,11 +60,15 @@ def azimuths(i: int) -> int:
 #: Index of the first view of each polar angle, and of all views.
 FIRST_VIEW = tuple(sum(azimuths(k) for k in range(i)) for i in range(N_VIEWS + 1))
 
-#: Size of the image: a row a view.
-WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, FIRST_VIEW[-1]
+#: Size of the image: a row a view, and a guard above them as the atlas has one (`layout.GUARD`).
+VIEWS = FIRST_VIEW[-1]
+WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, VIEWS + GUARD_SIDE
+
+#: Texel of the guard.
+GUARD_X, GUARD_Y = GUARD_SIDE // 2, VIEWS + GUARD_SIDE // 2
 
 #: Version of the file, with all that its reader takes for granted; an image of another one is made anew.
-VERSION = f"2 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
+VERSION = f"3 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
 
 #: Shares of X, Y and Z in a density: the luminance and a little more; that alone would leave the blue orders to chance.
 _XYZ_SHARES = np.array((0.07, 0.86, 0.07), np.float32)
@@ -90,11 +94,11 @@ class Importance:
     Parameters
     ----------
     radius
-        ``(HEIGHT, n_r, 2)`` lower and upper edge of each step of s^2.
+        ``(VIEWS, n_r, 2)`` lower and upper edge of each step of s^2.
     row
-        ``(HEIGHT, n_r)`` row of angles that a step of the radius uses.
+        ``(VIEWS, n_r)`` row of angles that a step of the radius uses.
     turn
-        ``(HEIGHT, n_rows, n_phi, 3)`` lower edge, upper edge and median of each step of phi / 2 pi.
+        ``(VIEWS, n_rows, n_phi, 3)`` lower edge, upper edge and median of each step of phi / 2 pi.
     """
 
     radius: np.ndarray
@@ -138,12 +142,13 @@ class Importance:
         """``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: a row a view.
 
         First the steps of the radius (two edges and the row of angles), then the rows of angles one after another
-        (two edges and the median).
+        (two edges and the median). The guard stands above.
         """
         image = np.zeros((HEIGHT, WIDTH, 3), np.float32)
-        image[:, :N_R, :2] = self.radius
-        image[:, :N_R, 2] = self.row
-        image[:, N_R:] = self.turn.reshape(HEIGHT, N_ROWS * N_PHI, 3)
+        image[:VIEWS, :N_R, :2] = self.radius
+        image[:VIEWS, :N_R, 2] = self.row
+        image[:VIEWS, N_R:] = self.turn.reshape(VIEWS, N_ROWS * N_PHI, 3)
+        image[GUARD_Y, GUARD_X] = GUARD
         return image
 
 
@@ -156,9 +161,9 @@ def importance(table: SpectralTable) -> Importance:
         The spectral table.
     """
     tiles = _sector_tiles(table)
-    radius = np.empty((HEIGHT, N_R, 2), np.float32)
-    row = np.empty((HEIGHT, N_R), int)
-    turn = np.empty((HEIGHT, N_ROWS, N_PHI, 3), np.float32)
+    radius = np.empty((VIEWS, N_R, 2), np.float32)
+    row = np.empty((VIEWS, N_R), int)
+    turn = np.empty((VIEWS, N_ROWS, N_PHI, 3), np.float32)
 
     def fill(i: int) -> None:
         for view, mass in enumerate(_masses(table, tiles, i), FIRST_VIEW[i]):

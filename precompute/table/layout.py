@@ -26,6 +26,9 @@ R_MAX = 2.0
 GUARD = (2.0, 0.5, -0.25)
 GUARD_SIDE = 5
 
+#: How far from the guard a renderer's lookup may lie: GPUs place a bilinear lookup to 1 / 256 of a texel.
+GUARD_TOLERANCE = 0.05
+
 
 @dataclass(frozen=True)
 class TableLayout:

@@ -30,6 +30,15 @@ def gamut_step(xyz, to_rgb):
     return np.where(lowest < 0, np.maximum(np.where(grey > 0, moved, 0.0), 0.0), rgb)
 
 
+def dielectric(ior, wi, wr):
+    """Fresnel's reflectance of unpolarised light at the half-angle, by the angles inside and outside."""
+    out = np.arccos(np.sqrt(np.clip(0.5 * (1 + (wi * wr).sum(-1)), 0, 1 - 1e-12)))
+    inside = np.arcsin(np.sin(out) / ior)
+    return 0.5 * (
+        (np.sin(out - inside) / np.sin(out + inside)) ** 2 + (np.tan(out - inside) / np.tan(out + inside)) ** 2
+    )
+
+
 def schlick(ior, wi, wr):
     """Schlick's reflectance at the half-angle."""
     cos_half = np.sqrt(np.clip(0.5 * (1 + (wi * wr).sum(-1)), 0, 1))

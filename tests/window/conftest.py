@@ -72,6 +72,8 @@ def desk(work):
         pytest.skip(SKIPPED)
     pictures = ROOT / "out" / "window"
     pictures.mkdir(parents=True, exist_ok=True)
+    for old in pictures.glob("failed_*"):
+        old.unlink()
     try:
         yield Desk(driver, work, pictures)
     finally:
@@ -90,9 +92,10 @@ def enabled(desk, zipped):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
-    """A picture of what the screen showed when a test failed."""
+    """A picture of what the screen showed when a test failed, and why, at once: a whole day takes long."""
     report = yield
-    if call.when == "call" and report.failed and "desk" in item.funcargs:
+    if report.failed and "desk" in item.funcargs:
+        item.funcargs["desk"].keep(f"failed_{item.name}.txt", report.longreprtext)
         with contextlib.suppress(AssertionError, subprocess.SubprocessError):  # a window that does not answer
             item.funcargs["desk"].shot(f"failed_{item.name}")
     return report

@@ -2,6 +2,7 @@
 """What a person does at the window, in words: presses a button, chooses an entry, types a number, looks."""
 
 import json
+import math
 import re
 import time
 
@@ -94,7 +95,7 @@ class Desk:
         self.wait()
         return offered
 
-    def render(self, seconds=240.0):
+    def render(self, seconds=900.0):
         """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
         import numpy as np
 
@@ -121,7 +122,7 @@ class Desk:
         """Where a button is: a part of its command or data path, which must not go on after it."""
         pattern = re.escape(what) + r"(?![a-zA-Z_])"
         near = next((place for text, *place in self._places if re.search(pattern, text)), None)
-        for tries in range(3):
+        for tries in range(7):
             found = self.driver.sweep(begin=near[1] if near else None, until=pattern)
             self._remember(found)
             if found and re.search(pattern, found[-1][0]):
@@ -172,6 +173,10 @@ class Desk:
         self.driver.type(str(text))
         self.driver.key("RET")
         time.sleep(0.2)
+        value = self.look(f"{STATE}.{what}")
+        if self.look(f"{STATE}.bl_rna.properties[{what!r}].subtype") == "ANGLE":
+            value = math.degrees(value)
+        assert abs(value - float(text)) <= 1e-5 * abs(value), f"{what} shows {value}, {text} was typed"
 
     def choose(self, name, identifier, owner=STATE):
         """Choose an entry of a menu."""
@@ -190,24 +195,83 @@ class Desk:
         self.driver.click(*self.find(f".{name}"))
         time.sleep(0.2)
 
+    def drag(self, begin, end):
+        """Drag with the left button over the 3-D view."""
+        self.driver.drag(begin, end)
+
+    def image(self, name):
+        """An image of Blender's as rows of RGB, from the bottom."""
+        import numpy as np
+
+        place = self.work / "image.npy"
+        self.run(f"""
+import numpy as np
+image = bpy.data.images[{name!r}]
+pixels = np.empty(len(image.pixels), np.float32)
+image.pixels.foreach_get(pixels)
+np.save({str(place)!r}, pixels.reshape(image.size[1], image.size[0], -1)[..., :3])
+""")
+        return np.load(place)
+
+    def close_windows(self):
+        """All but the first."""
+        self.run("""
+for each in list(bpy.context.window_manager.windows)[1:]:
+    with bpy.context.temp_override(window=each): bpy.ops.wm.window_close()
+""")
+        self.settle()
+
+    def open_panels(self):
+        """Panels of the sidebar that draw their bodies."""
+        self.run("watch_panels()\ndrawn()\nregion().tag_redraw()")
+        self.driver.turn()
+        return set(json.loads(self.run("drawn()")))
+
     def open_panel(self, name, above):
         """Click the header of a closed panel that stands below something."""
-        self.run("watch_panels()")
+        before = self.open_panels()
+        if f"DIFFRACTION_PT_{name}" in before:
+            return
         _, y = self.find(above)
         left = self.look("rectangle()")[0] + 60
-        for drop in range(20, 130, 11):
-            self.run("drawn()")
+        for drop in range(20, 160, 11):
             self.driver.click(left, y - drop)
-            time.sleep(0.3)
-            self.run("area().tag_redraw()")
-            time.sleep(0.3)
-            if f"DIFFRACTION_PT_{name}" in json.loads(self.run("drawn()")):
+            self.settle()
+            now = self.open_panels()
+            if f"DIFFRACTION_PT_{name}" in now:
                 return
+            if now != before:  # another panel's header
+                self.driver.click(left, y - drop)
+                self.settle()
         raise AssertionError(f"The panel {name} did not open")
+
+    def picture(self, name, number=0):
+        """What the 3-D view shows, as rows of RGB from the top; kept for people too."""
+        import numpy as np
+        from PIL import Image
+
+        self.settle()
+        self.shot(name)
+        x, y, width, height = self.look(f"rectangle('VIEW_3D', 'WINDOW', {number})")
+        screen = np.asarray(Image.open(self._pictures / f"{name}.png").convert("RGB"), float) / 255.0
+        top = self.driver.top(screen.shape[0]) - (y + height)
+        return screen[top : top + height, x : x + width]
 
     def shot(self, name):
         """A picture for people."""
         self.driver.shot(self._pictures / f"{name}.png")
+
+    def keep(self, name, text):
+        """A text for people, beside the pictures."""
+        (self._pictures / name).write_text(text, encoding="utf-8")
+
+    def has_osl(self):
+        """Whether this Blender was built with Open Shading Language."""
+        return self.look("addon('renderers').has_osl()")
+
+    def watch(self, seconds):
+        """Let the window go on by itself."""
+        time.sleep(seconds)
 
     def console(self):
         """Lines that Blender printed since the last call, without what operators told."""

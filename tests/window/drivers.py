@@ -90,25 +90,42 @@ class Simulated:
             assert time.monotonic() < deadline, f"Blender did not answer {code!r}"
             time.sleep(0.01)
 
+    def turn(self):
+        """Until Blender's loop has gone round: what was sent has been handled and drawn."""
+        for _ in range(2):
+            self.run("0")
+
     def point(self, x, y, number=0):
         """Move the mouse; pixels of the window, y upwards."""
         self._at = (x, y)
         self.run(f"send('MOUSEMOVE', 'NOTHING', {x}, {y}, {number})")
-        time.sleep(0.08)
+        self.turn()
 
     def click(self, x, y, number=0):
         """A click of the left button."""
         self.point(x, y, number)
         for value in ("PRESS", "RELEASE"):
             self.run(f"send('LEFTMOUSE', '{value}', {x}, {y}, {number})")
-            time.sleep(0.04)
-        time.sleep(0.1)
+            self.turn()
+
+    def drag(self, begin, end, number=0, steps=8):
+        """Press the left button at one place and let it go at another."""
+        self.point(*begin, number)
+        self.run(f"send('LEFTMOUSE', 'PRESS', {begin[0]}, {begin[1]}, {number})")
+        for step in range(1, steps + 1):
+            self.point(*(int(a + (b - a) * step / steps) for a, b in zip(begin, end, strict=True)), number)
+        self.run(f"send('LEFTMOUSE', 'RELEASE', {end[0]}, {end[1]}, {number})")
+        self.turn()
+
+    def top(self, height):
+        """The row of a screenshot, from its top, where the window's y is 0."""
+        return int(self.run("print(window().height)"))
 
     def key(self, name, number=0, **modifiers):
         """A key by Blender's name, over the place where the mouse is."""
         for value in ("PRESS", "RELEASE"):
             self.run(f"send('{name}', '{value}', {self._at[0]}, {self._at[1]}, {number}, **{modifiers})")
-            time.sleep(0.03)
+            self.turn()
 
     def type(self, text):
         """Characters into a field that is being edited."""
@@ -121,7 +138,7 @@ class Simulated:
                 f"send({key!r}, 'RELEASE', {self._at[0]}, {self._at[1]}, shift={shift})",
             ]
         self.run("\n".join(lines))
-        time.sleep(0.05)
+        self.turn()
 
     def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
         """What lies in a region: commands and data paths with their places, till one matches a pattern."""
@@ -150,12 +167,12 @@ class Simulated:
             self.run(f"shot({str(path)!r})")
 
     def gaps(self):
-        """Seconds of the waits over 0.05 s of the window since the last call, the longest first."""
+        """Waits of the window over 0.05 s since the last call: seconds, and seconds that its thread worked."""
         place = self.folder / "gaps.log"
         self.run("0")
-        found = sorted((float(line) for line in place.read_text().split()), reverse=True) if place.exists() else []
+        lines = place.read_text().splitlines() if place.exists() else []
         place.unlink(missing_ok=True)
-        return found
+        return [tuple(map(float, line.split())) for line in lines]
 
     def quit(self):
         """Close without saving."""
@@ -194,6 +211,9 @@ class Rig:
     def run(self, code, timeout=300.0):
         return self._x("py", code)
 
+    def turn(self):
+        self.run("0")
+
     def _screen(self, x, y):
         return x + int(self.run("print(window().x)")), 1080 - self._bottom() - y
 
@@ -205,6 +225,12 @@ class Rig:
 
     def click(self, x, y, number=0):
         self._x("click", *self._screen(x, y))
+
+    def drag(self, begin, end, number=0, steps=8):
+        self._x("drag", *self._screen(*begin), *self._screen(*end))
+
+    def top(self, height):
+        return height - self._bottom()
 
     def key(self, name, number=0, **modifiers):
         word = _XDOTOOL.get(name, name.lower())
@@ -228,7 +254,8 @@ class Rig:
         self._x("shot", path)
 
     def gaps(self):
-        return [float(line.split()[0]) for line in self._x("gaps").splitlines()]
+        """As of `Simulated`; how long its thread worked is not known."""
+        return [(float(line.split()[0]), float("nan")) for line in self._x("gaps").splitlines()]
 
     def quit(self):
         self._x("quit")

@@ -76,7 +76,7 @@ def show_tab(name="Diffraction", number=0):
 _sweep = {"todo": [], "at": None, "found": [], "where": (), "until": "", "waits": 0}
 
 
-def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.72):
+def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.6):
     """Where to point in a region: from top to bottom, or from a height outwards."""
     left, bottom, width, height = rectangle(kind, name, number)
     rows = list(range(bottom + height - 12, bottom + 4, -step))

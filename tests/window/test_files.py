@@ -56,6 +56,12 @@ def test_undo_and_redo_of_a_preset(enabled):
     enabled.driver.key("Z", ctrl=True)
     enabled.settle()
     assert enabled.state("scan_info") == first
+    enabled.driver.key("Z", ctrl=True, shift=True)
+    enabled.settle()
+    assert "72 x 72" in enabled.state("scan_info")
+    enabled.driver.key("Z", ctrl=True)
+    enabled.settle()
+    assert enabled.state("scan_info") == first
     enabled.enter("preset_pixels", 60)  # once more after undo, with another value
     enabled.press("diffraction.make_preset")
     assert "60 x 60" in enabled.state("scan_info")
@@ -71,11 +77,13 @@ for kind in ('primitive_cube_add', 'primitive_plane_add'):
     with within('VIEW_3D', 'WINDOW'): getattr(bpy.ops.mesh, kind)(location=(3, 0, 0))
 with within('VIEW_3D', 'WINDOW'):
     bpy.ops.curve.primitive_bezier_circle_add(location=(-3, 0, 0))
+    bpy.context.object.name = 'Curve'  # its name is translated
+    bpy.context.object.data.bevel_depth = 0.3
     bpy.ops.object.empty_add(location=(0, 3, 0))
-for ob in bpy.context.scene.objects: ob.select_set(ob.name in {'Cube.001', 'Plane', 'BezierCircle', 'Empty'})
+for ob in bpy.context.scene.objects: ob.select_set(ob.name in {'Cube.001', 'Plane', 'Curve', 'Empty'})
 """)
     enabled.press("diffraction.apply_material")
-    names = ("Cube.001", "Plane", "BezierCircle")
+    names = ("Cube.001", "Plane", "Curve")
     ours = "[bool(m and 'Diffraction' in m.node_tree.nodes) for m in (bpy.data.objects[n].active_material for n in {})]"
     assert enabled.look(ours.format(names)) == [True, True, True]
     count = enabled.look("len(bpy.data.materials)")
@@ -116,7 +124,14 @@ def test_second_window_and_quad_view(enabled):
     enabled.run("with within('VIEW_3D', 'WINDOW'): bpy.ops.screen.region_quadview()")
     enabled.settle()
     enabled.press("diffraction.make_preset")
-    enabled.shot("12_two_windows_quad_view")
+    enabled.shot("12_two_windows")
+    enabled.press("diffraction.bake")
+    enabled.press("diffraction.apply_material")
+    enabled.close_windows()
+    enabled.shot("13_quad_view")
+    enabled.press("diffraction.viewport_render")  # draws the quarter that was used last
+    assert enabled.image("Viewport Picture").std() > 0.0
+    enabled.close_windows()
     enabled.run("with within('VIEW_3D', 'WINDOW'): bpy.ops.screen.region_quadview()")
     assert enabled.console() == []
 

@@ -14,8 +14,8 @@ def saturated(picture):
 def test_from_a_preset_to_a_coloured_picture(enabled):
     enabled.new_file()
     enabled.console()
-    enabled.run("bpy.context.scene.render.resolution_percentage = 15")  # for speed; all else is as Blender starts
-    grey = saturated(enabled.render())
+    # For speed; all else is as Blender starts, grey cube and grey world among it.
+    enabled.run("bpy.context.scene.render.resolution_percentage = 15\nbpy.context.scene.eevee.taa_render_samples = 8")
     clicks = 1  # the tab
     enabled.open_panel("preset", above="diffraction.import_scan")
     clicks += 1
@@ -27,5 +27,5 @@ def test_from_a_preset_to_a_coloured_picture(enabled):
     enabled.shot("21_newcomer_render")
     assert clicks <= 6
     assert picture.max() > 0.15
-    assert saturated(picture) > grey + 0.1
+    assert saturated(picture) > 0.15
     assert enabled.console() == []

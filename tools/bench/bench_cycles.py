@@ -131,7 +131,7 @@ def diffracting(bodies):
     for ob in bpy.context.scene.objects:
         ob.select_set(ob in bodies)
     bpy.context.view_layer.objects.active = bodies[0]
-    bpy.ops.diffraction.apply_material(implementation="OSL", fresnel="DIELECTRIC", ior=1.5, environment=1.0)
+    bpy.ops.diffraction.apply_material(implementation="OSL", fresnel="DIELECTRIC", ior=1.5, environment=1)
     return bodies[0].active_material
 
 

@@ -45,7 +45,7 @@ def draw(names):
         flat = look.orientation == "RADIAL"
         asset = library.Asset(name, "", "", name)
         material = library.make_material(asset, disc if flat else ball, 1.0, "OSL")
-        pixels = stage.picture(scene, material, (ball, disc), flat, look.fresnel == "CONDUCTOR", 64)
+        pixels = stage.picture(scene, material, (ball, disc), flat, look.is_bright, 64)
         pixels = pixels.reshape(stage.SIDE, stage.SIDE, 4)[::-1]
         picture = Image.fromarray((np.clip(pixels, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8), "RGBA")
         picture.resize((SIDE, SIDE), Image.LANCZOS).save(FOLDER / f"{name}.png", optimize=True)

@@ -196,7 +196,14 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
 
     # EEVEE knows no OSL: there the pigment shows.
     out = graph.add("NodeGroupOutput")
-    choice: Any = nodes_twin.by_engine(graph, script.outputs["BSDF"], given.outputs["Base"]).node
+    # Nor does Cycles without Open Shading Language, which then takes the factor's own value 0.
+    runs: Any = graph.add("ShaderNodeMixShader", label="OSL runs")
+    runs.inputs[0].default_value = 0.0
+    for socket, value in zip(
+        runs.inputs, (script.outputs["Runs"], given.outputs["Base"], script.outputs["BSDF"]), strict=True
+    ):
+        tree.links.new(value, socket)
+    choice: Any = nodes_twin.by_engine(graph, runs.outputs[0], given.outputs["Base"]).node
     engine = choice.inputs[0].links[0].from_node
     white = engine.inputs[0].links[0].from_node
     tree.links.new(choice.outputs[0], out.inputs[interface.OUTPUT])
@@ -207,13 +214,13 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
     _column(surface, (-20.0, 200.0))
     _column([row.node for row in (*rows, number)], (-20.0, -560.0))
     _column(lights, (-20.0, -820.0))
-    _column([white, engine, choice], (640.0, 200.0))
+    _column([runs, white, engine, choice], (640.0, 200.0))
     _frame(tree, "UV map", surface)
     _frame(tree, "Colours: XYZ to the working space" if own is not None else "Colours and number of lamps",
            [row.node for row in rows] + ([] if own is not None else [number.node]))  # fmt: skip
     _frame(tree, "Lamps of the scene", lights)
     _frame(tree, "Table", [script])
-    _frame(tree, "Pigment in EEVEE", [white, engine, choice])
+    _frame(tree, "Pigment in EEVEE and without OSL", [runs, white, engine, choice])
 
 
 def _uv_frame(tree: bpy.types.NodeTree, script: bpy.types.Node) -> list[bpy.types.Node]:

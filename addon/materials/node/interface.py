@@ -10,7 +10,9 @@ are shown is up to their panel. Names that are kept for sockets to come: Scale, 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import Any
 
 import bpy
@@ -57,8 +59,8 @@ SOCKETS = (
     ),
     Socket("Rotation", _FLOAT, "Turn of the scan about the normal", properties=_value(0.0, subtype="ANGLE")),
     Socket("Brightness", _FLOAT, "Factor on the diffracted light", properties=_value(1.0, 0.0)),
-    Socket("Fresnel", _INT, "How much is reflected. 0: all, 1: as a dielectric of the index IOR, 2: as a conductor",
-           properties=_value(1, 0, 2)),
+    Socket("Fresnel", _INT, "How much is reflected. 0: all, 1: as a dielectric of the index IOR by Schlick's"
+           " approximation, 2: as a conductor, 3: as a dielectric, exactly", properties=_value(3, 0, 3)),
     Socket("IOR", _FLOAT, "Index of refraction of a dielectric", properties=_value(1.5, 1.0, 10.0)),
     Socket("Environment", _INT, "Random mirrors a sample that look at world, glowing things and light that bounces."
            " 0: lamps only", properties=_value(1, 0, 8)),
@@ -90,32 +92,45 @@ PANELS = {
     "Frame": "How directions of the scan are told, where the tangent comes from a node",
 }
 
+_LIMITS = ("min_value", "max_value")
+
 #: The node's one output.
 OUTPUT = "BSDF"
 
 
-def make(tree: bpy.types.NodeTree) -> None:
-    """Give a group the sockets; those that it has stay.
+def make(
+    tree: bpy.types.NodeTree,
+    sockets: tuple[Socket, ...] = SOCKETS,
+    panels: Mapping[str, str] = PANELS,
+    outputs: Mapping[str, tuple[str, str]] = MappingProxyType({OUTPUT: (_SHADER, "Pigment and diffracted light")}),
+) -> None:
+    """Give a group sockets; those that it has stay, with the limits of today.
 
     Parameters
     ----------
     tree
         A shader node group.
+    sockets
+        Its inputs; those of *Diffraction*.
+    panels
+        Name: text.
+    outputs
+        Name: (socket type, text).
     """
     items = tree.interface
     there = {(item.item_type, getattr(item, "in_out", ""), item.name): item for item in items.items_tree}
-    if ("SOCKET", "OUTPUT", OUTPUT) not in there:
-        items.new_socket(OUTPUT, in_out="OUTPUT", socket_type=_SHADER, description="Pigment and diffracted light")
-    panels: dict[str, Any] = {}
-    for name, text in PANELS.items():
-        panels[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
-    for socket in SOCKETS:
-        if ("SOCKET", "INPUT", socket.name) in there:
-            continue
-        item = items.new_socket(
+    for name, (kind, text) in outputs.items():
+        if ("SOCKET", "OUTPUT", name) not in there:
+            items.new_socket(name, in_out="OUTPUT", socket_type=kind, description=text)
+    folded: dict[str, Any] = {}
+    for name, text in panels.items():
+        folded[name] = there.get(("PANEL", "", name)) or items.new_panel(name, description=text, default_closed=True)
+    for socket in sockets:
+        known = there.get(("SOCKET", "INPUT", socket.name))
+        item: Any = known or items.new_socket(
             socket.name, in_out="INPUT", socket_type=socket.kind, description=socket.text,
-            parent=panels.get(socket.panel),
+            parent=folded.get(socket.panel),
         )  # fmt: skip
-        for key in ("subtype", "min_value", "max_value", "default_value", "hide_value"):
-            if key in socket.properties:
+        for key in _LIMITS if known else ("subtype", *_LIMITS, "default_value", "hide_value"):
+            if key in socket.properties and getattr(item, key) != socket.properties[key]:
                 setattr(item, key, socket.properties[key])

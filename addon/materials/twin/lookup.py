@@ -12,7 +12,7 @@ import math
 
 import bpy
 
-from ....precompute.table.layout import TableLayout
+from ....precompute.table.layout import GUARD, GUARD_TOLERANCE, TableLayout
 from ..node_graph import Graph, Socket, interface, new_group
 
 _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
@@ -67,6 +67,14 @@ def _blended(graph: Graph, image: bpy.types.Image, layout: TableLayout, place: S
         ]
         rows.append(graph.mix(part[0], *pair))
     return graph.mix(part[1], *rows)
+
+
+def guard(graph: Graph, image: bpy.types.Image, x: float, y: float, width: float, height: float) -> Socket:
+    """1 where a texel in the middle of a guard holds what was written there, 0 where the renderer got another image."""
+    place = graph.join((x + 0.5) / width, (y + 0.5) / height, 0.0)
+    # Linear in EEVEE too: a place that is the same for all pixels is looked up in the image itself.
+    off = graph.scalar("DISTANCE", _fetch(graph, image, "Linear", place), GUARD)
+    return graph.math("LESS_THAN", off, GUARD_TOLERANCE)
 
 
 def _log_arsinh(graph: Graph, x: Socket, x2: Socket, scale: float, per_unit: float) -> tuple[Socket, float]:

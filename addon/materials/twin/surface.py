@@ -37,6 +37,7 @@ SHARED = {
     "Green": _VECTOR,
     "Blue": _VECTOR,
     "R0": _FLOAT,
+    "IOR": _FLOAT,
     "ConductorN": _VECTOR,
     "ConductorK": _VECTOR,
     "EEVEE": _FLOAT,
@@ -117,7 +118,8 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
         # of f cos: none for other rays than diffuse ones
         "Limit": graph.choose(is_diffuse, 1e20, given["DiffuseLimit"]), "Cone": given["Cone"],
         **dict(zip(("Red", "Green", "Blue"), rows, strict=True)),
-        "R0": graph.product(root, root), "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
+        "R0": graph.product(root, root), "IOR": given["IOR"],
+        "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
         # 1 in EEVEE; Cycles does not know Shader to RGB, takes what is linked to it for 0 and drops what follows
         "EEVEE": engine.outputs[0],
     }  # fmt: skip
@@ -291,13 +293,7 @@ class Surface:
 
     def outer_face(self, cosine: Socket) -> Socket:
         """Exact reflectance of the lacquer's outer face, as ``fresnel_exact`` in ``shaders/brdf.osl``."""
-        graph, n2 = self.graph, self.parts.layout.index**2
-        c = graph.clamp(cosine, 1e-6, 1.0)
-        inside = graph.math("SQRT", graph.fused(c, c, n2 - 1.0))
-        s = graph.quotient(graph.difference(c, inside), graph.sum(c, inside))
-        dense = graph.product(c, n2)
-        p = graph.quotient(graph.difference(dense, inside), graph.sum(dense, inside))
-        return graph.product(graph.fused(s, s, graph.product(p, p)), 0.5)
+        return values.dielectric(self.graph, self.parts.layout.index**2, cosine)
 
     def limited(self, gain: Socket, red: Socket, green: Socket, blue: Socket) -> Socket:
         """The factor of a colour whose peaks diffuse rays shall not see."""
@@ -310,9 +306,9 @@ class Surface:
         graph, fresnel = self.graph, self.parts.fresnel
         reflectance: Value = 1.0
         if fresnel == "DIELECTRIC":
-            reflectance = values.dielectric(
-                graph, self["R0"], graph.clamp(graph.difference(1.0, self["CosR"]), 0.0, 1.0)
-            )
+            reflectance = values.dielectric(graph, graph.product(self["IOR"], self["IOR"]), self["CosR"])
+        elif fresnel == "SCHLICK":
+            reflectance = values.schlick(graph, self["R0"], graph.clamp(graph.difference(1.0, self["CosR"]), 0.0, 1.0))
         elif fresnel == "CONDUCTOR":
             each = values.conductor(graph, self["ConductorN"], self["ConductorK"], self["CosR"])
             reflectance = graph.product(graph.scalar("DOT_PRODUCT", each, (1.0, 1.0, 1.0)), 1.0 / 3.0)

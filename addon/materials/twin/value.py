@@ -11,19 +11,21 @@ from . import lookup
 
 _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 
+#: Sockets that tell the index of what reflects.
+INDICES = {"NONE": (), "SCHLICK": ("R0",), "DIELECTRIC": ("IOR",), "CONDUCTOR": ("ConductorN", "ConductorK")}
+
 
 def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: str) -> bpy.types.NodeTree:
     """Group that gives f cos(theta_i) R as RGB, but for the factor ``scale / (4 cos_r)`` that all directions share.
 
     With h = wi + wr = -(u, v, w) it is ``(1 + wi.wr)^2 / (cos_r w^2) T R``, ``1 + wi.wr = |h|^2 / 2`` and the cosine of
     the half-angle is ``|h| / 2``. Inputs: |(u, v)|^2, the angle of (-u, -v), |w|; rows of the matrix to the working
-    space; R0 of a dielectric, or n and k; 1 in EEVEE.
+    space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
     """
     tree = new_group(f"Diffraction value {name} {fresnel.lower()}")
     sockets: dict[str, tuple[str, object]] = {each: (_FLOAT, None) for each in ("Square", "Turn", "W")}
     sockets |= {each: (_VECTOR, None) for each in ("Red", "Green", "Blue")}
-    sockets |= {"R0": (_FLOAT, None)} if fresnel == "DIELECTRIC" else {}
-    sockets |= {each: (_VECTOR, None) for each in ("ConductorN", "ConductorK")} if fresnel == "CONDUCTOR" else {}
+    sockets |= {each: (_VECTOR if fresnel == "CONDUCTOR" else _FLOAT, None) for each in INDICES[fresnel]}
     interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
@@ -37,10 +39,13 @@ def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: st
         factor = graph.product(factor, more)
     if fresnel != "NONE":
         h = graph.math("SQRT", h2)
-        if fresnel == "DIELECTRIC":
-            factor = graph.product(factor, dielectric(graph, given["R0"], graph.fused(h, -0.5, 1.0)))
+        cos_half = graph.product(h, 0.5)
+        if fresnel == "SCHLICK":
+            factor = graph.product(factor, schlick(graph, given["R0"], graph.fused(h, -0.5, 1.0)))
+        elif fresnel == "DIELECTRIC":
+            ior = given["IOR"]
+            factor = graph.product(factor, dielectric(graph, graph.product(ior, ior), cos_half))
         else:
-            cos_half = graph.product(h, 0.5)
             rgb = graph.vector("MULTIPLY", rgb, conductor(graph, given["ConductorN"], given["ConductorK"], cos_half))
     graph.put(graph.add("NodeGroupOutput").inputs["Value"], graph.scaled(rgb, factor))
     return tree
@@ -56,9 +61,19 @@ def _into_gamut(graph: Graph, xyz: Socket, rows: list[Socket]) -> Socket:
     return graph.vector("MAXIMUM", moved, (0.0, 0.0, 0.0))
 
 
-def dielectric(graph: Graph, r0: Value, rest: Socket) -> Socket:
-    """Schlick's reflectance, from 1 - cos(half)."""
+def schlick(graph: Graph, r0: Value, rest: Socket) -> Socket:
+    """Schlick's approximation, from 1 - cos(half)."""
     return graph.fused(graph.difference(1.0, r0), graph.math("POWER", rest, 5.0), r0)
+
+
+def dielectric(graph: Graph, n2: Value, cosine: Socket) -> Socket:
+    """Reflectance of a face to a medium of squared index n2: ``fresnel_exact`` in ``shaders/brdf.osl``."""
+    c = graph.clamp(cosine, 1e-6, 1.0)
+    inside = graph.math("SQRT", graph.fused(c, c, graph.difference(n2, 1.0)))
+    s = graph.quotient(graph.difference(c, inside), graph.sum(c, inside))
+    dense = graph.product(c, n2)
+    p = graph.quotient(graph.difference(dense, inside), graph.sum(dense, inside))
+    return graph.product(graph.fused(s, s, graph.product(p, p)), 0.5)
 
 
 def conductor(graph: Graph, n: Socket, k: Socket, cos_half: Socket) -> Socket:

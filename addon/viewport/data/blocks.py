@@ -114,7 +114,7 @@ class Surface:
     to_rgb
         ``(3, 3)`` matrix from XYZ to the working space.
     fresnel
-        ``NONE``, ``DIELECTRIC`` or ``CONDUCTOR``.
+        ``NONE``, ``DIELECTRIC``, ``SCHLICK`` or ``CONDUCTOR``.
     ior, conductor_n, conductor_k
         Refractive indices.
     conserve_energy

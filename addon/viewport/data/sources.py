@@ -60,6 +60,7 @@ FLAGS = (
     "CONSERVE",  # f is divided by the albedo where that passes 1
     "LINEAR_IN_W",  # of the table's factor |w|^power: the power is 1
     "DIELECTRIC",
+    "SCHLICK",
     "CONDUCTOR",
     "INSIDE",  # the table holds the reflectance of its stuff
     "LACQUER",

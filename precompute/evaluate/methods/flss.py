@@ -17,8 +17,9 @@ from ...errors import ParameterError
 from ...light.colour import spectral_weights
 from ...light.illuminant import Illuminant
 from ...scan.heightfield import HeightField
+from ...stack import Stack
 from ..directions import uvw
-from ..surface import geometry_factor, relative_factor
+from ..surface import cos_half, geometry_factor, relative_factor
 from .bins import Band
 from .windowed import Windowed
 
@@ -66,8 +67,9 @@ def method_xyz(
     illuminant: Illuminant = "D65",
     step_m: float = STEP_M,
     normalisation="absolute",
+    stack: Stack | None = None,
 ) -> np.ndarray:
-    """XYZ of any method by a loop over wavelengths.
+    """XYZ of any method by a loop over wavelengths, R = 1 or that of a stack.
 
     Parameters
     ----------
@@ -79,6 +81,8 @@ def method_xyz(
         Of the colour integral.
     normalisation
         ``absolute`` (1/sr) or ``relative``.
+    stack
+        What the surface is made of: its reflectance at the half angle counts.
 
     Returns
     -------
@@ -90,10 +94,13 @@ def method_xyz(
     lit = factor > 0
     u, v, w = (a[lit] for a in uvw(wi, wr))
     total = np.zeros((u.size, 3))
+    half = cos_half(wi, wr)[lit]
     for wavelength, weight in zip(*spectral_weights(illuminant=illuminant, step_m=step_m), strict=True):
         spectrum = method.transform(u, v, w, wavelength)
         if normalisation == "relative":
             spectrum = spectrum * relative_factor(wi[lit], wr[lit], wavelength, method.area_m2)
+        if stack is not None:
+            spectrum = spectrum * stack.reflectance(np.array([wavelength]), half)[0]
         total += spectrum[:, None] * weight
     result = np.zeros((*factor.shape, 3))
     result[lit] = factor[lit][:, None] * total

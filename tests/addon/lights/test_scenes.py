@@ -230,3 +230,27 @@ def test_seventeen_lamps_with_the_sun_last_by_name(blender, tmp_path):
     found = scenes.render(24, samples=64, centred=True).mean((0, 1))
     assert found == pytest.approx(alone, rel=0.05)  # Cycles picks one lamp a sample
     assert 1 in light_list.kinds(count=16)
+
+
+def test_handlers_of_others_are_all_called(blender, tmp_path):
+    """Ours go behind them without making Blender pass over one, from the first render on."""
+    scenes.plane_with_table(tmp_path)
+    scenes.add_camera()
+    bpy.ops.diffraction.apply_material(implementation="NODES", environment=0)
+    called = []
+
+    def before(*_):
+        called.append("init")
+
+    def each(*_):
+        called.append("pre")
+
+    bpy.app.handlers.render_init.append(before)
+    bpy.app.handlers.render_pre.append(each)
+    try:
+        for _ in range(2):
+            scenes.render(4)
+    finally:
+        bpy.app.handlers.render_init.remove(before)
+        bpy.app.handlers.render_pre.remove(each)
+    assert called == ["init", "pre"] * 2

@@ -32,6 +32,7 @@ def visible(image):
     [
         {"fresnel": "NONE"},
         {"fresnel": "DIELECTRIC", "ior": 1.7, "rotation": 0.7},
+        {"fresnel": "SCHLICK", "ior": 1.7},
         {"fresnel": "CONDUCTOR", "conserve_energy": False, "orientation": "RADIAL"},
     ],
 )

@@ -118,19 +118,23 @@ def test_conductor_is_fresnels(blender, tmp_path, implementation):
 
 
 @BOTH
+@pytest.mark.parametrize("fresnel", ["DIELECTRIC", "SCHLICK"])
 @pytest.mark.parametrize("theta", [10, 75])
-def test_pigment_gets_what_is_not_reflected(blender, tmp_path, implementation, theta):
-    """White paint under a surface that does not diffract: (1 - R) cos(theta_i) / pi, R by Schlick at the view angle."""
+def test_pigment_gets_what_is_not_reflected(blender, tmp_path, implementation, theta, fresnel):
+    """White paint under a surface that does not diffract: (1 - R) cos(theta_i) / pi, R at the view angle."""
     tables.make_table(tmp_path / "t.exr", dark)
     plane, sun = scenes.add_plane(), unit(0.2, -0.3, 0.8)
     scenes.add_sun(sun, strength=3.0)
     angle = np.radians(theta)
     scenes.add_camera((np.sin(angle), 0, np.cos(angle)), extent=0.3)
     materials.diffracting(
-        plane, tmp_path / "t.exr", implementation=implementation, pigment=(0.9, 0.6, 0.3, 1), ior=1.8, environment=0
-    )
+        plane, tmp_path / "t.exr", implementation=implementation, pigment=(0.9, 0.6, 0.3, 1), ior=1.8, environment=0,
+        fresnel=fresnel,
+    )  # fmt: skip
     r0 = (0.8 / 2.8) ** 2
     left = 1 - (r0 + (1 - r0) * (1 - np.cos(angle)) ** 5)
+    if fresnel == "DIELECTRIC":
+        left = 1 - conductor(1.8, 0.0, np.cos(angle))
     image = scenes.render(8, samples=16).mean((0, 1))
     assert image == pytest.approx(np.array((0.9, 0.6, 0.3)) * left * 3.0 * sun[2] / np.pi, rel=0.005)
 

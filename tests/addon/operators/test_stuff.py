@@ -10,6 +10,7 @@ import pytest
 from precompute.parameters import BakeParameters
 from precompute.stack import parse_stack
 from precompute.table.table import SpectralTable
+from tests.support.blender.panels import shown
 
 pytestmark = pytest.mark.usefixtures("blender")
 
@@ -51,3 +52,27 @@ def test_what_is_no_stack_ends_in_one_sentence(scene, substrate, films, says):
     with pytest.raises(RuntimeError, match=says):
         bpy.ops.diffraction.bake(substrate=substrate, films=films)
     assert not list(Path(bpy.path.abspath("//")).rglob("*.exr"))
+
+
+def test_panel_plots_r_before_any_bake(scene):
+    """The icon of the panel holds the core's picture; another film is another picture, nonsense is a sentence."""
+    from diffraction_shader.addon.tables import stack_preview
+    from diffraction_shader.precompute.evaluate.stack_plot import stack_plot
+    from diffraction_shader.precompute.stack import parse_stack
+
+    scene.substrate, scene.films, scene.lacquer = "Au", "1.46:250", ""
+    text = shown("bake_stuff")
+    assert "R from" in text
+    _, said = stack_preview.plot("Au", "1.46:250", "")  # without a window Blender numbers no icons
+    picture, least, largest = stack_plot(parse_stack("Au", ["1.46:250"]))
+    kept = stack_preview._previews["Au | 1.46:250 | "]
+    height, width, _ = picture.shape
+    assert tuple(kept.image_size) == (width, height)
+    pixels = np.array(kept.image_pixels_float[:]).reshape(height, width, 4)
+    assert np.abs(pixels[..., :3] - picture).max() < 1 / 128
+    assert said == f"R from {100 * least:.0f} (black) to {100 * largest:.0f} % (white)"
+    other = stack_preview.plot("Au", "1.46:300", "")[1]
+    again = np.array(stack_preview._previews["Au | 1.46:300 | "].image_pixels_float[:]).reshape(height, width, 4)
+    assert other != said or np.abs(again - pixels).max() > 0.1
+    scene.films = "1.46"
+    assert "not understood" in shown("bake_stuff")

@@ -30,9 +30,11 @@ def test_menus_offer_it():
 
     assert "diffraction.import_scan" in menu_text(entrances._import)
     editor = type("Context", (), {"space_data": type("S", (), {"type": "NODE_EDITOR", "tree_type": "ShaderNodeTree"})})
-    assert "diffraction.add_node" in menu_text(entrances._add_node, editor)
+    assert "Nodes of this extension" in menu_text(entrances._add_node, editor)
+    ours = menu_text(entrances.DIFFRACTION_MT_add.draw, editor)
+    assert "diffraction.add_node" in ours and "Snake Scales" in ours
     geometry = type("Context", (), {"space_data": type("S", (), {"type": "NODE_EDITOR", "tree_type": "Other"})})
-    assert "diffraction.add_node" not in menu_text(entrances._add_node, geometry)
+    assert "Nodes of this extension" not in menu_text(entrances._add_node, geometry)
     assert entrances._import in bpy.types.TOPBAR_MT_file_import.draw._draw_funcs
     assert entrances._add_node in bpy.types.NODE_MT_shader_node_add_all.draw._draw_funcs
 
@@ -82,6 +84,25 @@ def test_the_command_line_is_that_of_the_core(capsys):
     assert command(["--help"]) == 0 and "bake" in capsys.readouterr().out
     assert command(["info", "no such file.gsf"]) == 2
     assert "no file" in capsys.readouterr().err
+
+
+def test_the_search_finds_every_command_of_the_panels(plane):
+    """F3 reads menus. What is left out needs something that only its button knows."""
+    from diffraction_shader.addon.panels import entrances
+
+    of_buttons = {
+        "choose_channel",
+        "use_stored_scan",
+        "show_image",
+        "bake_preset_add",
+        "structure_preset_add",
+        "add_node",
+        "add_snake_scales",
+    }
+    assert set(entrances.COMMANDS) - {None} | of_buttons >= {name for name in dir(bpy.ops.diffraction)}
+    text = menu_text(bpy.types.DIFFRACTION_MT_object.draw, bpy.context)
+    assert all(f"diffraction.{name}" in text for name in entrances.COMMANDS if name)
+    assert entrances._object in bpy.types.VIEW3D_MT_object.draw._draw_funcs
 
 
 def test_the_material_tab_leads_on(plane):

@@ -14,7 +14,7 @@ from tests.truth import radiance
 SIZE = 96
 
 
-def expected(table, sphere, lamps, ior=None, conserve=False, rotation=0.0, tangent=None):
+def expected(table, sphere, lamps, ior=None, conserve=False, rotation=0.0, tangent=None, form=radiance.dielectric):
     """Linear RGB (SIZE, SIZE, 3) of the sphere and the mask of pixels well inside it that see every lamp wholly or not.
 
     Where the horizon cuts a wide lamp, a few points cannot tell how much of it is left.
@@ -39,7 +39,7 @@ def expected(table, sphere, lamps, ior=None, conserve=False, rotation=0.0, tange
             wi = radiance.local(towards, t, b, n)
             value = radiance.gamut_step(radiance.f_cos_xyz(table, wi, wr, conserve), matrix)
             if ior is not None:
-                value = value * radiance.schlick(ior, wi, wr)[..., None]
+                value = value * form(ior, wi, wr)[..., None]
             image += irradiance[..., None] * value
             above.append(wi[..., 2] > 0)
         clear &= np.all(above, axis=0) | ~np.any(above, axis=0)
@@ -99,15 +99,17 @@ def test_each_lamp(renderer, table, path, name):
     assert_images_agree(image, reference, 0.01, where=lit, name=f"viewport {name}")
 
 
-def test_several_lamps_with_fresnel_from_the_side(renderer, table, path):
+@pytest.mark.parametrize(("fresnel", "form"), [("DIELECTRIC", radiance.dielectric), ("SCHLICK", radiance.schlick)])
+def test_several_lamps_with_fresnel_from_the_side(renderer, table, path, fresnel, form):
     sphere = scenes.add_sphere(segments=256, rings=128)
     for name in ("sun", "point", "spot"):
         kind, place, data = LAMPS[name][0]
         scene.add_lamp(kind, place, **data)
     scenes.add_camera(direction=(0.6, 0.5, 1.0))
-    scene.give_material(sphere, path, fresnel="DIELECTRIC", ior=1.7, rotation=0.4)
+    scene.give_material(sphere, path, fresnel=fresnel, ior=1.7, rotation=0.4)
     image = drawing.alone(renderer, SIZE)
-    reference, inside = expected(table, sphere, [LAMPS[n][1] for n in ("sun", "point", "spot")], ior=1.7, rotation=0.4)
+    lamps = [LAMPS[n][1] for n in ("sun", "point", "spot")]
+    reference, inside = expected(table, sphere, lamps, ior=1.7, rotation=0.4, form=form)
     lit = inside & (reference.sum(-1) > 1e-3 * reference.max())
     assert_images_agree(image, reference, 0.01, where=lit, name="viewport several")
 
@@ -262,7 +264,7 @@ def test_perspective_camera(renderer, table, path):
     wi = np.broadcast_to(np.array((0.5, 0.3, 2)) / np.linalg.norm((0.5, 0.3, 2)), wr.shape)
     matrix = xyz_to_rgb_matrix("Linear Rec.709", "D65")
     value = radiance.gamut_step(radiance.f_cos_xyz(table, wi, wr, False), matrix)
-    reference = 2.0 * value * radiance.schlick(1.4, wi, wr)[..., None]
+    reference = 2.0 * value * radiance.dielectric(1.4, wi, wr)[..., None]
     assert_images_agree(image, reference, 0.01, where=inside, name="viewport perspective")
 
 

@@ -73,7 +73,13 @@ def test_fresnel_by_hand():
     wi = from_angles(np.radians([0.0, 60.0]), 0.2)
     # In the mirror direction the half angle is the angle of incidence.
     assert np.allclose(b.reflectance(wi, wi * [-1, -1, 1], 1.5), [0.04, 0.07])
+    assert np.allclose(b.reflectance(wi, wi * [-1, -1, 1], 1.5, "exact"), [0.04, 0.0891867], atol=1e-6)
     assert np.allclose(b.reflectance(wi, wi, None), 1.0)
+    # n and k: Born & Wolf at normal incidence, ((n - 1)^2 + k^2) / ((n + 1)^2 + k^2), whatever the form.
+    for form in b.FORMS:
+        assert b.reflectance(wi[:1], wi[:1], 0.2 + 3j, form) == pytest.approx((0.64 + 9) / (1.44 + 9))
+    with pytest.raises(ParameterError, match="schlick, exact"):
+        b.reflectance(wi, wi, 1.5, "rough")
     with pytest.raises(ParameterError):
         b.fresnel_r0(1.0, -2.0)
 
@@ -84,6 +90,8 @@ def test_brdf_is_the_product_of_its_factors():
     assert np.allclose(b.brdf(Made(), wi, wr), expected)
     r = 0.04 + 0.96 * (1 - np.cos(np.pi / 6)) ** 5
     assert np.allclose(b.brdf(Made(), wi, wr, fresnel=1.5), r * expected)
+    r = b.reflectance(wi, wr, 1.5, "exact")
+    assert np.allclose(b.brdf(Made(), wi, wr, fresnel=1.5, form="exact"), r * expected)
     # a(wi) = 1, a(wr) = 2: the larger divides.
     assert np.allclose(b.brdf(Made(), wi, wr, energy_conserving=True), expected / 2)
     assert np.allclose(b.brdf(Made(), wr, wi, energy_conserving=True), expected / 2)

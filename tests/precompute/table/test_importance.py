@@ -156,7 +156,7 @@ def test_image_keeps_the_edges_and_its_origin(found, tmp_path):
     assert (found.radius[:, 1:, 0] == found.radius[:, :-1, 1]).all()  # no gap, no overlap
     assert (found.turn[:, :, 1:, 0] == found.turn[:, :, :-1, 1]).all()
     used = np.zeros(found.turn.shape[:2], bool)
-    used[np.arange(module.HEIGHT)[:, None], found.row] = True
+    used[np.arange(module.VIEWS)[:, None], found.row] = True
     low, high, middle = np.moveaxis(found.turn[used], -1, 0)
     assert (low < middle).all()
     assert (middle < high).all()
