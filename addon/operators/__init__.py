@@ -7,6 +7,7 @@ from . import (
     apply_material,
     asset_library,
     bake,
+    bake_lights,
     brdf_map,
     files,
     fit,
@@ -20,7 +21,7 @@ from . import (
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
-    add_node, add_scales, fit, asset_library, show_image,
+    add_node, add_scales, fit, asset_library, show_image, bake_lights,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)
