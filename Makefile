@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Every target sets up what it needs in .venv; nothing outside this folder is touched.
 .DEFAULT_GOAL := help
-.PHONY: help setup setup-4.5 scan-files demo test test-slow test-thorough test-4.5 test-window fuzz bench lint types docs build release clean
+.PHONY: help setup setup-4.5 scan-files demo test test-slow test-thorough test-4.5 test-window fuzz bench gpu-check lint types docs build release clean
 
 VENV := .venv
 PY := $(VENV)/bin/python
@@ -22,6 +22,7 @@ help:
 	@echo "make scan-files  scans of others and independent readers for the readers' tests, in out/scan-files (160 MB)"
 	@echo "make fuzz       hostile files, kill -9, full disks: what tests/trust holds, slow ones too"
 	@echo "make bench      times, memory and accuracy of a bake"
+	@echo "make gpu-check  every device that Blender has here, pixel by pixel against the processor"
 	@echo "make lint       ruff check and format; make types: mypy on precompute/ and addon/"
 	@echo "make docs       the pictures of docs/"
 	@echo "make build      the extension, one zip a platform and Python of Blender, in dist/"
@@ -89,7 +90,11 @@ bench: $(READY)
 	@$(PY) tools/bench/bench_bake.py
 	@$(PY) tools/bench/bench_commands.py
 	@$(PY) tools/bench/bench_cycles.py
+	@$(PY) tools/bench/bench_paint.py
 	@$(PY) tools/bench/bench_viewport.py
+
+gpu-check: $(READY)
+	@$(PY) tools/gpu_check.py --out out/gpu_check.json
 
 lint: $(READY)
 	@$(PY) -m ruff check .

@@ -13,37 +13,48 @@ from ..precompute.presets import PRESETS, Parameter, Preset
 
 ITEMS: list[tuple[str, str, str]] = [(preset.name, preset.label, preset.description) for preset in PRESETS.values()]
 
+
+class ItemPictures:
+    """Loads pictures when they are first asked for.
+
+    Parameters
+    ----------
+    folder
+        Of files ``IDENTIFIER.png``.
+    items
+        ``(identifier, label, description)``.
+    """
+
+    def __init__(self, folder: Path, items: list[tuple[str, str, str]]) -> None:
+        self._folder, self._plain = folder, items
+        self._previews: Any = None
+
+    def items(self) -> list[tuple[str, str, str, int, int]]:
+        """The items with pictures; registering asks for it."""
+        from bpy.utils import previews
+
+        if self._previews is None:
+            self._previews = previews.new()
+        found = []
+        for number, (name, label, description) in enumerate(self._plain):
+            path = self._folder / f"{name}.png"
+            if path.is_file() and name not in self._previews:
+                self._previews.load(name, str(path), "IMAGE")
+            icon = self._previews[name].icon_id if name in self._previews else 0
+            found.append((name, label, description, icon, number))
+        return found
+
+    def drop(self) -> None:
+        """Free them."""
+        from bpy.utils import previews
+
+        if self._previews is not None:
+            previews.remove(self._previews)
+            self._previews = None
+
+
 #: Small pictures by preset, for menus; made by tools/docs/preset_thumbnails.py.
-_PICTURES = Path(__file__).resolve().parent / "preset_pictures"
-
-_previews: Any = None
-
-
-def pictured_items() -> list[tuple[str, str, str, int, int]]:
-    """`ITEMS` with pictures, loaded from files; registering asks for it."""
-    global _previews
-    from bpy.utils import previews
-
-    if _previews is None:
-        _previews = previews.new()
-    found = []
-    for number, (name, label_, description) in enumerate(ITEMS):
-        path = _PICTURES / f"{name}.png"
-        if path.is_file() and name not in _previews:
-            _previews.load(name, str(path), "IMAGE")
-        icon = _previews[name].icon_id if name in _previews else 0
-        found.append((name, label_, description, icon, number))
-    return found
-
-
-def drop_pictures() -> None:
-    """Free them."""
-    global _previews
-    from bpy.utils import previews
-
-    if _previews is not None:
-        previews.remove(_previews)
-        _previews = None
+pictures = ItemPictures(Path(__file__).resolve().parent / "preset_pictures", ITEMS)
 
 
 #: For people; lengths carry their unit in the label since Blender has no nanometres.

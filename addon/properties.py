@@ -22,7 +22,7 @@ from bpy.props import (
 
 from ..precompute.errors import DiffractionError
 from ..precompute.parameters import ENSEMBLES, ILLUMINANTS, LEVELS, SERIES
-from . import preset_properties
+from . import paint_properties, preset_properties
 from .tables import light_file, stack_preview
 
 _LABELS = {
@@ -182,6 +182,14 @@ def detail() -> Any:
     return FloatProperty(
         name="Detail", description="Resolution of the table; its texels grow with the cube of it",
         default=1.0, min=0.1, max=8.0, soft_min=0.5, soft_max=2.0, precision=2,
+    )  # fmt: skip
+
+
+def headroom(what: str) -> Any:
+    """Largest Scale or Depth of a painted surface."""
+    return FloatProperty(
+        name=f"{what} Headroom", description=f"Largest {what} of a painted surface that the table holds for every"
+        " direction; above 1 the table grows", default=1.0, min=1.0, max=8.0, soft_max=2.0, precision=2,
     )  # fmt: skip
 
 
@@ -384,6 +392,8 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     films: films()
     lacquer: lacquer()
     energy: energy()
+    scale_headroom: headroom("Scale")
+    depth_headroom: headroom("Depth")
     stack_colour: FloatVectorProperty(
         name="Seen Straight On",
         description="Colour of a flat mirror of these films in daylight",
@@ -424,6 +434,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     preset_size_um: preset_size()
     preset_pixels: preset_pixels()
     presets: PointerProperty(type=DIFFRACTION_PG_presets)
+    paint: PointerProperty(type=paint_properties.DIFFRACTION_PG_paint)
 
     map_theta: map_theta()
     map_phi: map_phi()
@@ -435,15 +446,21 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     map_image: StringProperty(description="Name of the last map's image")
 
 
-CLASSES = (*preset_properties.GROUPS.values(), DIFFRACTION_PG_presets, DIFFRACTION_PG_scene)
+CLASSES = (
+    *preset_properties.GROUPS.values(),
+    DIFFRACTION_PG_presets,
+    *paint_properties.CLASSES,
+    DIFFRACTION_PG_scene,
+)
 
 
 def prepare() -> None:
-    """Before the classes are registered: the presets get their pictures."""
+    """Before the classes are registered: presets and recipes get their pictures."""
+    paint_properties.prepare()
     DIFFRACTION_PG_scene.__annotations__["preset"] = EnumProperty(
         name="Preset",
         description="A structure that needs no microscope",
-        items=preset_properties.pictured_items(),
+        items=preset_properties.pictures.items(),
         default="cd",  # its colours are seen on any object under any lamp
     )
 
@@ -456,5 +473,6 @@ def register() -> None:
 def unregister() -> None:
     """Detach it; values stay in the files."""
     del bpy.types.Scene.diffraction
-    preset_properties.drop_pictures()
+    preset_properties.pictures.drop()
+    paint_properties.pictures.drop()
     stack_preview.drop()

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .constants import TABLE_LIMIT_BYTES, W_MAX, WAVELENGTH_MIN_M
+from .constants import FREQUENCY_MAX, PIXEL_MAX_M, TABLE_LIMIT_BYTES, W_MAX, WAVELENGTH_MIN_M
 from .errors import ParameterError
 from .light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, to_json
 from .stack import Material, Stack, material_of, stack_of
@@ -21,6 +21,9 @@ LEVELS = ("none", "plane", "poly2")
 ROW_AXES = ("none", "x", "y")
 TILINGS = ("none", "blend", "period")
 ENERGY = ("raw", "capped")
+
+#: Largest headroom.
+HEADROOM_MOST = 8.0
 
 #: Where the index of a lacquer is taken for directions: the sodium line (metres). And the indices that it may have.
 LACQUER_WAVELENGTH_M = 589.3e-9
@@ -75,6 +78,9 @@ class BakeParameters:
     energy
         ``raw``: the table is the Kirchhoff integral, and renderers divide by albedos that hold at every wavelength;
         ``capped``: each wavelength is also cut by its own excess inside the table.
+    scale_headroom, depth_headroom
+        Largest Scale and Depth of a painted surface that the table is to hold for every direction; 1 is the surface as
+        it is, more makes the table larger.
     limit_bytes
         Largest table that may be made, in bytes of texels as a renderer loads them.
 
@@ -100,6 +106,8 @@ class BakeParameters:
     stack: Stack | None = None
     lacquer: Material | None = None
     energy: str = "raw"
+    scale_headroom: float = 1.0
+    depth_headroom: float = 1.0
     limit_bytes: int = TABLE_LIMIT_BYTES
 
     def __post_init__(self) -> None:
@@ -150,6 +158,13 @@ class BakeParameters:
             raise ParameterError(f"Smoothing over {self.smooth_m} m makes no sense; give a length of 0 or more.")
         if not (math.isfinite(self.detail) and 0.1 <= self.detail <= 8.0):
             raise ParameterError(f"The detail is {self.detail}; it must lie between 0.1 and 8.")
+        for what, headroom in (("Scale", self.scale_headroom), ("Depth", self.depth_headroom)):
+            if not (math.isfinite(headroom) and 1.0 <= headroom <= HEADROOM_MOST):
+                raise ParameterError(
+                    f"The headroom of {what} is {headroom:g}; it must lie between 1 and {HEADROOM_MOST:g}."
+                )
+        if self.series != "nodes" and (self.scale_headroom, self.depth_headroom) != (1.0, 1.0):
+            raise ParameterError(f"The series '{self.series}' knows no headroom; choose the series 'nodes'.")
         if self.limit_bytes <= 0:
             raise ParameterError("The size limit of a table must be positive.")
 
@@ -160,8 +175,18 @@ class BakeParameters:
 
     @property
     def w_max(self) -> float:
-        """Largest ``|w|``: 2, or 2 n under a lacquer."""
-        return W_MAX * self.index
+        """Largest ``|w|``: 2, or 2 n under a lacquer, times the headroom of depth."""
+        return W_MAX * self.index * self.depth_headroom
+
+    @property
+    def frequency_max(self) -> float:
+        """Largest spatial frequency ``|(u, v)| / lambda`` that the table holds, 1/m."""
+        return FREQUENCY_MAX * self.scale_headroom
+
+    @property
+    def pixel_max_m(self) -> float:
+        """Pixels above this would put false orders into the table, metres."""
+        return PIXEL_MAX_M / self.scale_headroom
 
     @property
     def kappa_max(self) -> float:
@@ -180,5 +205,8 @@ class BakeParameters:
         data["lacquer"] = None if self.lacquer is None else self.lacquer.to_json()
         for name in ("stack", "lacquer"):
             if data[name] is None:
+                del data[name]
+        for name in ("scale_headroom", "depth_headroom"):
+            if data[name] == 1.0:
                 del data[name]
         return data

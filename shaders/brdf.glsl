@@ -109,10 +109,15 @@ vec3 f_cos_of(vec3 transform_xyz, vec3 wi, vec3 wr, float mirror, float albedo_r
 vec3 diffraction_f_cos(vec3 wi, vec3 wr, float mirror, float albedo_r)
 {
     vec2 uv = -(wi.xy + wr.xy);
-    float w_abs = path_w(wi, wr);
+    float w_abs = path_w(wi, wr), gain = 1.0;
+#ifdef SCALED  // T'(u, v, w) = s^2 T(s u, s v, q w)
+    uv *= scaled_here.x;
+    w_abs *= scaled_here.y;
+    gain = scaled_here.x * scaled_here.x;
+#endif
 #ifdef METHOD_FLSS
-    return f_cos_of(flss_transform(uv, w_abs), wi, wr, mirror, albedo_r);
+    return f_cos_of(gain * flss_transform(uv, w_abs), wi, wr, mirror, albedo_r);
 #else
-    return f_cos_of(table_transform(uv, w_abs), wi, wr, mirror, albedo_r);
+    return f_cos_of(gain * table_transform(uv, w_abs), wi, wr, mirror, albedo_r);
 #endif
 }

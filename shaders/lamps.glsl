@@ -36,6 +36,16 @@ vec3 around(vec3 axis, float one_minus_cos, float turn)
     return r * cos(TWO_PI * turn) * side + r * sin(TWO_PI * turn) * cross(axis, side) + z * axis;
 }
 
+// Angular radius of a lamp, about.
+float lamp_width(DiffractionLamp lamp, vec3 from)
+{
+    float kind = lamp.place.w;
+    if (kind == LAMP_SUN)
+        return lamp.colour.w;
+    float wide = kind == LAMP_BALL ? lamp.colour.w : max(length(lamp.half_u.xyz), length(lamp.half_v.xyz));
+    return min(wide / max(length(lamp.place.xyz - from), 1e-9), 1.0);
+}
+
 // How many points stand for a lamp as seen from `from`: one where it looks small.
 int lamp_points(DiffractionLamp lamp, vec3 from)
 {

@@ -13,18 +13,35 @@ vec3 sky_texels(vec2 square, float level)
     return textureLod(df_sky, (corner + 1.0 + square * side) * df_frame.sky[3].xy, 0.0).rgb;
 }
 
-// Radiance from a direction in world space, a mean over `solid_angle`.
-vec3 sky_radiance(vec3 direction, float solid_angle)
+// Place of a direction in world space in the square.
+vec2 sky_square(vec3 direction)
 {
     vec3 d = vec3(dot(df_frame.sky[0].xyz, direction), dot(df_frame.sky[1].xyz, direction),
                   dot(df_frame.sky[2].xyz, direction));
     float r = sqrt(max(1.0 - abs(d.z), 0.0)), v = r * 4.0 * turns(abs(d.xy)), u = r - v;
     vec2 square = d.z < 0.0 ? vec2(1.0 - v, 1.0 - u) : vec2(u, v);
-    square = 0.5 + 0.5 * square * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    return 0.5 + 0.5 * square * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+}
+
+vec3 sky_strength()
+{
+    return vec3(df_frame.sky[0].w, df_frame.sky[1].w, df_frame.sky[2].w);
+}
+
+// What a diffuse surface sends on of albedo 1 and this normal: irradiance over pi.
+vec3 sky_diffuse(vec3 n)
+{
+    vec2 at = SKY_DIFFUSE.xy + 1.0 + sky_square(n) * SKY_DIFFUSE.z;
+    return sky_strength() * textureLod(df_sky, at * df_frame.sky[3].xy, 0.0).rgb;
+}
+
+// Radiance from a direction in world space, a mean over `solid_angle`.
+vec3 sky_radiance(vec3 direction, float solid_angle)
+{
+    vec2 square = sky_square(direction);
     float level = clamp(0.5 * log2(solid_angle * (SKY_SIDE * SKY_SIDE / (4.0 * PI))), 0.0, SKY_LEVELS - 1.0);
     float lower = min(floor(level), SKY_LEVELS - 2.0);
-    vec3 strength = vec3(df_frame.sky[0].w, df_frame.sky[1].w, df_frame.sky[2].w);
-    return strength * mix(sky_texels(square, lower), sky_texels(square, lower + 1.0), level - lower);
+    return sky_strength() * mix(sky_texels(square, lower), sky_texels(square, lower + 1.0), level - lower);
 }
 
 #endif
@@ -74,9 +91,24 @@ vec2 sky_places(int i)
 vec3 sky_light(mat3 frame, vec3 wr, float albedo_r)
 {
     vec3 light = vec3(0.0);
-    float slope, row = sky_view(wr, slope), gain;
+#ifdef SCALED  // on a stretched surface, for the viewer whose wr.xy is as much shorter, see importance.osl
+    float s = min(scaled_here.x, 1.0);
+    vec3 viewer = vec3(s * wr.xy, 0.0);
+    viewer.z = s < 1.0 ? sqrt(max(1.0 - dot(viewer.xy, viewer.xy), 0.0)) : wr.z;
+#else
+    vec3 viewer = wr;
+#endif
+    float slope, row = sky_view(viewer, slope), gain;
     for (int i = 0; i < SKY; i++) {
-        vec3 wi = sky_direction(wr, row, slope, sky_places(i), gain);
+        vec3 wi = sky_direction(viewer, row, slope, sky_places(i), gain);
+#ifdef SCALED
+        if (s < 1.0) {
+            vec2 place = (wi.xy + viewer.xy) / s - wr.xy;
+            float rest = 1.0 - dot(place, place), z = sqrt(max(rest, 1e-12));
+            gain = rest > 0.0 ? gain * wi.z / (s * s * z) : 0.0;
+            wi = vec3(place, z);
+        }
+#endif
         float mirror = max(1.0 + dot(wi, wr), 0.0);
         vec3 weight = gain * diffraction_f_cos(wi, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
         if (gain > 0.0 && wi.z > 0.0)

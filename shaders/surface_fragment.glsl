@@ -2,6 +2,14 @@
 // The light that a point of a surface sends to the viewer: diffraction of all lamps and, where the surface is replaced
 // and not added to, the pigment underneath.
 
+#ifdef PAINTED  // scale, depth, rotation, mask of a paint (precompute/paint/maps.py), the closest texel
+vec4 painted_here()
+{
+    vec2 size = vec2(textureSize(df_paint, 0));
+    return texelFetch(df_paint, ivec2(min(fract(world_uv) * size, size - 1.0)), 0);
+}
+#endif
+
 // The scan's frame as in diffraction.osl: t along its x, b along its y, right-handed or mirrored as the UV map is.
 mat3 scan_frame(vec3 n)
 {
@@ -22,8 +30,27 @@ mat3 scan_frame(vec3 n)
     c = cos(angle);
     s = sin(angle);
 #endif
+#ifdef PAINTED
+    float angle = painted_here().b + df_surface.rotation.w;
+    c = cos(angle);
+    s = sin(angle);
+#endif
     return mat3(c * t + s * across, c * across - s * t, n);
 }
+
+#ifdef LACQUER
+// The outer face of a lacquer: what it sends of a lamp's irradiance (GGX, Smith's masking, reflectance at the view's
+// angle as in diffraction.osl). `wide` is the lamp's angular radius, by which the lobe grows: few points stand for it.
+float outer_mirror(vec3 wi, vec3 wr, float wide)
+{
+    float a2 = df_surface.kept[1].w * df_surface.kept[1].w + 0.25 * wide * wide;
+    vec3 h = normalize(wi + wr);
+    float d = h.z * h.z * (a2 - 1.0) + 1.0;
+    float li = sqrt(a2 + (1.0 - a2) * wi.z * wi.z), lr = sqrt(a2 + (1.0 - a2) * wr.z * wr.z);
+    // D G / (4 cos_i cos_r) cos_i, with G / (4 cos_i cos_r) = 1 / (2 (cos_i lr + cos_r li))
+    return a2 / (PI * d * d) * wi.z / (2.0 * (wi.z * lr + wr.z * li));
+}
+#endif
 
 void main()
 {
@@ -40,6 +67,19 @@ void main()
     if (df_frame.border.z > 0.0 && outside)
         discard;
 #endif
+    float mask = df_surface.rotation.z;  // 0 shows the pigment alone
+#ifdef PAINTED
+    vec4 paint = painted_here();
+    mask = paint.a;
+#elif defined(MASKED)
+    vec4 texel = textureLod(df_mask, fract(world_uv), 0.0);
+    mask += df_surface.fresnel.z * (df_surface.pigment.w > 0.5 ? texel.a : dot(texel.rgb, vec3(0.2126, 0.7152, 0.0722)));
+#endif
+    mask = clamp(mask, 0.0, 1.0);
+#ifdef CUTOUT
+    if (mask < 0.5)
+        discard;
+#endif
     vec3 to_viewer = df_frame.viewer.w > 0.5 ? normalize(df_frame.viewer.xyz - world_place) : df_frame.viewer.xyz;
     vec3 n = normalize(world_normal);
     float cos_r = dot(n, to_viewer);
@@ -51,7 +91,12 @@ void main()
     bool diffracts = cos_r > 0.0;
 #endif
 
-    vec3 light = vec3(0.0), pigment = vec3(0.0);
+    vec3 light = vec3(0.0), pigment = vec3(0.0), outer = vec3(0.0);
+#ifdef PAINTED
+    scaled_here = vec2(paint.r >= SCALE_LEAST ? paint.r : SCALE_LEAST, paint.g >= SCALE_LEAST ? paint.g : SCALE_LEAST);
+#elif defined(SCALED)
+    scaled_here = vec2(df_surface.texel.w, df_surface.fresnel.x);
+#endif
     mat3 frame = scan_frame(n);
     vec3 wr = to_viewer * frame;  // its components along t, b, n
     float albedo_r = 1.0;
@@ -76,6 +121,9 @@ void main()
             if (cos_i > 0.0) {
                 float mirror = max(1.0 + dot(wi, to_viewer), 0.0);
                 light += irradiance * diffraction_f_cos(wi * frame, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
+#ifdef LACQUER
+                outer += irradiance * outer_mirror(wi * frame, wr, lamp_width(lamp, world_place));
+#endif
             }
         }
     }
@@ -90,13 +138,21 @@ void main()
         light += sky_light(frame, wr, albedo_r);
 #endif
     light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
+#ifdef LACQUER
+    outer += df_frame.ambient.rgb;
+#ifdef SKYLIT
+    outer += sky_radiance(reflect(-to_viewer, n), 4.0 * PI * df_surface.kept[1].w * df_surface.kept[1].w * max(cos_r, 0.01));
+#endif
+    light += diffracts ? outer * fresnel_exact(df_surface.kept[0].w, cos_r) : vec3(0.0);
+#endif
+    light *= mask;
 #ifdef REPLACE
     vec3 around = df_frame.ambient.rgb;
 #ifdef SKYLIT
-    around += sky_radiance(front ? n : -n, PI);
+    around += sky_diffuse(front ? n : -n);
 #endif
     pigment = df_surface.pigment.rgb * (pigment * (1.0 / PI) + around);
-    light += (vec3(1.0) - kept_from_below(abs(cos_r))) * pigment;
+    light += (vec3(1.0) - mask * kept_from_below(abs(cos_r))) * pigment;
 #endif
     out_colour = vec4(displayed(light), 1.0);
 }

@@ -11,7 +11,7 @@ void main()
     world_place = world.xyz;
     world_normal = hand * (cofactor * nor);
     world_tangent = vec4(linear * tan.xyz, hand * tan.w);
-#ifdef TURNED
+#ifdef PICTURED
     world_uv = uv;
 #endif
     vec4 view = df_frame.view * world;

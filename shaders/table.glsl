@@ -41,7 +41,30 @@ vec3 table_transform(vec2 uv, float w_abs)
 #endif
 }
 
-#if defined(CONSERVE) || defined(AMBIENT)
+#ifdef SCALED
+// Period and depth over the table's, here: constants of the material, or the paint's.
+vec2 scaled_here;
+#endif
+
+#if defined(SCALED) && (defined(CONSERVE) || defined(AMBIENT))
+// The albedo of a painted surface, from tiles of a few scales whose channels are three depths
+// (precompute/table/scaled_albedo.py).
+float table_albedo(vec3 direction)
+{
+    float at = clamp(-SCALED_STEPS * log2(scaled_here.x / df_surface.value.z), 0.0, SCALED_N_SCALES - 1.0);
+    float lower = min(floor(at), SCALED_N_SCALES - 2.0);
+    float a = SCALED_DEPTH_0, b = SCALED_DEPTH_1, c = SCALED_DEPTH_2;
+    float q = clamp(scaled_here.y / df_surface.value.w, c, a);
+    vec3 shares = vec3((q - b) * (q - c) / ((a - b) * (a - c)), (q - a) * (q - c) / ((b - a) * (b - c)),
+                       (q - a) * (q - b) / ((c - a) * (c - b)));
+    float theta = acos(clamp(direction.z, 0.0, 1.0)), row = turns(direction.xy) * SCALED_N_PHI + 1.5;
+    vec2 texel = 1.0 / vec2(SCALED_N_SCALES * SCALED_N_THETA, SCALED_N_PHI + 2.0);
+    vec2 place = vec2(theta * (2.0 / PI) * (SCALED_N_THETA - 1.0) + lower * SCALED_N_THETA + 0.5, row) * texel;
+    vec3 low = textureLod(df_tiles, place, 0.0).rgb;
+    vec3 high = textureLod(df_tiles, place + vec2(SCALED_N_THETA * texel.x, 0.0), 0.0).rgb;
+    return dot(mix(low, high, at - lower), shares);
+}
+#elif defined(CONSERVE) || defined(AMBIENT)
 // Directional albedo a(theta, phi) of the raw model with R = 1, of a local direction above the surface. df_albedo holds the
 // hemisphere in stereographic projection, so that the place costs no arc functions (data/textures.py).
 float table_albedo(vec3 direction)

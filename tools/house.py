@@ -32,6 +32,7 @@ FLOORS = {
         ("materials",),
         ("viewport", "watch"),
         ("assets", "preset_properties"),
+        ("paint_properties",),
         ("properties", "preferences"),
         ("operators",),
         ("panels",),

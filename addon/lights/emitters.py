@@ -14,29 +14,45 @@ from . import lamps
 from .slots import KINDS
 from .source import Drive, Entry, Source, Variable
 
+#: Linear RGB.
+Colour = tuple[float, float, float]
+
 #: Middle and radius of meshes by identity, with what they depended on.
 _balls: dict[int, tuple[tuple, Vector, float]] = {}
 
 
 def sources(scene: bpy.types.Scene) -> Iterator[Source]:
     """Glowing meshes of a scene and its set scenes."""
-    glowing = {material for material in bpy.data.materials if strength(material) > 0.0}
-    if not glowing:
+    for ob, colour in glowing(scene):
+        yield _source(ob, sum(colour) / 3.0)
+
+
+def glowing(scene: bpy.types.Scene) -> Iterator[tuple[bpy.types.Object, Colour]]:
+    """Glowing meshes of a scene and its set scenes, with the radiance of the brightest of their materials."""
+    radiances = {material: radiance(material) for material in bpy.data.materials}
+    radiances = {material: colour for material, colour in radiances.items() if any(colour)}
+    if not radiances:
         return
     for each in lamps.with_sets(scene):
         for ob in each.objects:
             if ob.type == "MESH" and lamps.shows(ob):
-                found = [slot.material for slot in ob.material_slots if slot.material in glowing]
+                found = [radiances[slot.material] for slot in ob.material_slots if slot.material in radiances]
                 if found:
-                    yield _source(ob, max(strength(material) for material in found))
+                    yield ob, max(found, key=sum)
 
 
 def strength(material: bpy.types.Material) -> float:
-    """Radiance of what glows in a material, as far as its nodes tell: emission of the top level; 0 if none counts."""
+    """Mean of the radiance of what glows in a material; 0 if nothing does."""
+    return sum(radiance(material)) / 3.0
+
+
+def radiance(material: bpy.types.Material) -> Colour:
+    """What glows in a material, as far as its nodes tell: emission of the top level; black if none counts."""
     tree = material.node_tree
+    dark: Colour = (0.0, 0.0, 0.0)
     if tree is None or getattr(getattr(material, "cycles", None), "emission_sampling", "AUTO") == "NONE":
-        return 0.0
-    most = 0.0
+        return dark
+    most = dark
     for node in tree.nodes:
         names = {
             "ShaderNodeEmission": ("Color", "Strength"),
@@ -46,16 +62,13 @@ def strength(material: bpy.types.Material) -> float:
             continue
         colour, number = (node.inputs[name] for name in names)
         power = 1.0 if number.links else number.default_value
-        if not colour.links:
-            power *= sum(colour.default_value[:3]) / 3.0
-        elif node.bl_idname == "ShaderNodeBsdfPrincipled" and not number.links and number.default_value == 0.0:
-            power = 0.0
-        most = max(most, power)
+        red, green, blue = (1.0, 1.0, 1.0) if colour.links else colour.default_value[:3]
+        most = max(most, (power * red, power * green, power * blue), key=sum)
     return most
 
 
 def _source(ob: bpy.types.Object, radiance: float) -> Source:
-    middle, radius = _ball(ob)
+    middle, radius = ball(ob)
     place: list[Entry] = []
     for axis in range(3):
         variables = tuple(Variable(f"m{k}", ob, f"matrix_world[{k}][{axis}]") for k in range(4))
@@ -74,7 +87,7 @@ def _source(ob: bpy.types.Object, radiance: float) -> Source:
     )
 
 
-def _ball(ob: bpy.types.Object) -> tuple[Vector, float]:
+def ball(ob: bpy.types.Object) -> tuple[Vector, float]:
     """A ball about all vertices of an object's mesh, in its own coordinates."""
     mesh = ob.data
     corners = tuple(round(x, 6) for corner in (ob.bound_box[0], ob.bound_box[6]) for x in corner)
@@ -90,3 +103,21 @@ def _ball(ob: bpy.types.Object) -> tuple[Vector, float]:
         radius = float(np.linalg.norm(places.reshape(-1, 3) - np.array(middle), axis=-1).max())
     _balls[mesh.as_pointer()] = (known, middle, radius)
     return middle, radius
+
+
+def shadow_area(ob: bpy.types.Object) -> float:
+    """What a glowing mesh looks like from afar, the mean over all sides, m^2: times radiance it is an intensity.
+
+    Of a convex body that is a quarter of its surface (Cauchy), of an open sheet, which glows on both sides, half.
+    """
+    mesh = ob.data
+    number = len(mesh.polygons)
+    areas = np.empty(number, np.float32)
+    mesh.polygons.foreach_get("area", areas)
+    normals = np.empty(3 * number, np.float32)
+    mesh.polygons.foreach_get("normal", normals)
+    # Areas times normals add up to nothing where a surface closes, whether its seams are joined or not.
+    left_over = np.linalg.norm((areas[:, None] * normals.reshape(-1, 3)).sum(0))
+    is_closed = bool(left_over < 0.25 * areas.sum())
+    scale = abs(ob.matrix_world.to_3x3().determinant()) ** (2.0 / 3.0)
+    return float(areas.sum()) * scale * (0.25 if is_closed else 0.5)

@@ -76,6 +76,47 @@ def search(luminance: np.ndarray) -> list[Spot]:
     return sorted(found, key=lambda spot: -spot[4])
 
 
+def split(pixels: np.ndarray, spots: list[Spot]) -> tuple[np.ndarray, np.ndarray]:
+    """A picture without its spots, and the spots as suns.
+
+    Parameters
+    ----------
+    pixels
+        ``(height, width, 3)`` radiance, row 0 at the bottom.
+    spots
+        Of it, see `of`.
+
+    Returns
+    -------
+    rest
+        As `pixels`; each spot is as bright as what surrounds it.
+    suns
+        ``(n, 7)``: direction, irradiance (3,) on a surface that faces it, radius in radians.
+    """
+    rest, suns = np.array(pixels, np.float32), []
+    height, width, _ = rest.shape
+    elevation = ((np.arange(height) + 0.5) / height - 0.5) * math.pi
+    for x, y, z, radius, _ in spots:
+        # Only rows that the ring about the spot touches.
+        lies = math.asin(min(max(z, -1.0), 1.0))
+        rows = np.flatnonzero(np.abs(elevation - lies) < 2.0 * radius)
+        grid = np.repeat(rows, width), np.tile(np.arange(width), len(rows))
+        apart = np.arccos(np.clip(_directions(*grid, height, width) @ np.array([x, y, z]), -1.0, 1.0))
+        inside, ring = apart <= radius, (apart > radius) & (apart < 2.0 * radius)
+        r, c = grid[0][inside], grid[1][inside]
+        if not len(r) or not ring.any():
+            continue
+        about = np.median(rest[grid[0][ring], grid[1][ring]], axis=0)
+        more = np.maximum(rest[r, c] - about, 0.0)
+        size = np.cos(elevation[r]) * (math.pi / height) * (2.0 * math.pi / width)
+        rest[r, c] -= more
+        # A spot seldom fills the cone that holds it: as a disc of even brightness it has the same mean square.
+        power = more.sum(-1) * size
+        spread = math.sqrt(2.0 * float((power * apart[inside] ** 2).sum() / max(float(power.sum()), 1e-30)))
+        suns.append((x, y, z, *(more * size[:, None]).sum(0), min(spread, radius)))
+    return rest, np.array(suns, np.float32).reshape(-1, 7)
+
+
 def _region(picture: np.ndarray, row: int, column: int, least: float) -> tuple[np.ndarray, np.ndarray]:
     """Pixels above a value that hang together with one; columns go round."""
     height, width = picture.shape

@@ -7,6 +7,7 @@ No driver can follow them, so Python writes their numbers on each frame, and onl
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import bpy
 
@@ -28,17 +29,23 @@ def possible(scene: bpy.types.Scene) -> bool:
     return False
 
 
+def is_made_lamp(instance: bpy.types.DepsgraphObjectInstance) -> bool:
+    """Whether an instance is a lamp; those of collections that empties show are lamps of the scene's and left out."""
+    if not instance.is_instance or instance.object.type != "LIGHT":
+        return False
+    parent = instance.parent
+    if parent is None or (parent.type == "EMPTY" and parent.instance_type == "COLLECTION"):
+        return False
+    return not lamps.is_portal(instance.object.data) and not instance.object.original.hide_render
+
+
 def sources(depsgraph: bpy.types.Depsgraph) -> Iterator[Source]:
-    """Instanced lamps as they stand now; those of collections that empties show have drivers and are left out."""
+    """Instanced lamps as they stand now."""
     for instance in depsgraph.object_instances:
-        if not instance.is_instance or instance.object.type != "LIGHT":
-            continue
-        parent = instance.parent
-        if parent is None or (parent.type == "EMPTY" and parent.instance_type == "COLLECTION"):
+        if not is_made_lamp(instance):
             continue
         ob, light, world = instance.object, instance.object.data, instance.matrix_world
-        if lamps.is_portal(light) or ob.original.hide_render:
-            continue
+        parent: Any = instance.parent
         kind = lamps.lamp_kind(light)
         place = world.col[2].xyz if kind == "SUN" else world.translation
         u, v, size = (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), lamps.sizes(light)[0]

@@ -21,9 +21,14 @@ _SUN_STRENGTH = 1000.0
 
 def sources(scene: bpy.types.Scene) -> Iterator[Source]:
     """Lights of a scene's world, as far as its nodes tell them: textures with no other vector than a Mapping's."""
-    world = scene.world
-    tree = world.node_tree if world is not None else None
-    if world is None or tree is None:
+    if scene.world is not None:
+        yield from of_world(scene.world)
+
+
+def of_world(world: bpy.types.World) -> Iterator[Source]:
+    """Lights of a world."""
+    tree = world.node_tree
+    if tree is None:
         return
     for node in tree.nodes:
         if node.mute or not any(socket.is_linked for socket in node.outputs):

@@ -143,6 +143,20 @@ class Graph:
         self.put(node.inputs["Strength"], a)
         return node.outputs[0]
 
+    def in_eevee(self) -> Socket:
+        """1 in EEVEE, 0 in Cycles, which then leaves out what it is multiplied into.
+
+        EEVEE alone turns shaders into colours; Cycles does not know that node and takes the next one's own value. That
+        must be a number's node: a Mix Shader right behind would make EEVEE count the shader twice, as part of its own
+        branch and of the material's, and the factor would be 2.
+        """
+        white, engine = self.add("ShaderNodeEmission"), self.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
+        self.put(engine.inputs[0], white.outputs[0])
+        flag = self.add("ShaderNodeMath", operation="GREATER_THAN", label="EEVEE")
+        flag.inputs[0].default_value, flag.inputs[1].default_value = 0.0, 0.5
+        self.put(flag.inputs[0], engine.outputs[0])
+        return flag.outputs[0]
+
     @property
     def unit(self) -> Socket:
         """A constant vector (0, 0, 1), for sockets that mean something else where nothing is linked."""

@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 5
+VERSION = 8
 
 
 def build(
@@ -53,14 +53,15 @@ def build(
     if layout.holds_reflectance:
         fresnel = "NONE"  # what the table holds is not multiplied in once more
     built_in = f"{fresnel.lower()}{'' if conserve else ' raw'}"
-    has_albedo = conserve and albedo_max > 1.0
+    albedos = (importance.WIDTH, importance.HEIGHT)
 
     def parts(engine: str) -> Parts:
-        name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, layout, engine)
+        name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, (layout.width, layout.height), engine)
         return Parts(
             name=f"{name} {built_in}", layout=layout,
             value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel),
-            albedo=lookup.albedo(name, layout, texels) if has_albedo else None, albedo_free=albedo_free,
+            albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine)) if conserve else None,
+            albedo_free=albedo_free,
             kept=lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None,
             fresnel=fresnel, conserve=conserve,
         )  # fmt: skip
@@ -71,12 +72,12 @@ def build(
     tree.nodes.clear()
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
-    surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own)))
-    random = environment.random_numbers(graph)
-    drawn = surface.group(draw, Random=random).outputs
     knows_directions = lookup.guard(
         graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT
     )
+    surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own), knows_directions))
+    random = environment.random_numbers(graph)
+    drawn = surface.group(draw, Random=random).outputs
     enabled = graph.product(graph.clamp(given["Environment"], 0.0, 1.0), knows_directions)
     closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, enabled)
     cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
@@ -165,16 +166,14 @@ def _mirror(surface: Surface, drawn: Any, weight: Socket) -> Socket:
     return node.outputs[0]
 
 
-def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> Socket:
-    """One closure in Cycles, another in EEVEE.
+def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> list[bpy.types.Node]:
+    """One closure in Cycles, another in EEVEE: the nodes, of which the last gives it.
 
-    EEVEE alone turns shaders into colours: the factor is 1 there. Cycles does not know that node, takes the factor's
-    own value 0 and drops the branch with its images.
+    Cycles knows the factor 0 when it compiles and drops the branch with its images.
     """
-    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
+    flag = graph.in_eevee().node
     choice = graph.add("ShaderNodeMixShader", label="Cycles or EEVEE")
-    choice.inputs[0].default_value = 0.0
-    graph.put(engine.inputs[0], white.outputs[0])
-    for socket, value in zip(choice.inputs, (engine.outputs[0], cycles, eevee), strict=True):
+    for socket, value in zip(choice.inputs, (flag.outputs[0], cycles, eevee), strict=True):
         graph.put(socket, value)
-    return choice.outputs[0]
+    engine = flag.inputs[0].links[0].from_node
+    return [engine.inputs[0].links[0].from_node, engine, flag, choice]

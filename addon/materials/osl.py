@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from ...precompute.table import importance
+from ...precompute.constants import LEAST_SCALE
+from ...precompute.table import importance, scaled_albedo
 from ...precompute.table.layout import GUARD, GUARD_TOLERANCE, TableLayout
 from ..lights import slots
 from ..shader_files import SHADERS
@@ -50,6 +51,11 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
     numbers["TEXTURE_T_DOWN"] = int(texture_t_is_down())
     numbers["LAMPS_MAX"] = LAMPS_MAX
     numbers["TABLE_ALBEDO_FREE"] = float(albedo_free)
+    numbers["TABLE_SCALE_HEADROOM"], numbers["TABLE_DEPTH_HEADROOM"] = layout.headroom
+    numbers["SCALE_LEAST"] = LEAST_SCALE
+    for name in ("N_SCALES", "STEPS", "N_THETA", "N_PHI"):
+        numbers[f"SCALED_{name}"] = float(getattr(scaled_albedo, name))
+    numbers.update({f"SCALED_DEPTH_{i}": value for i, value in enumerate(scaled_albedo.DEPTHS)})
     numbers["TABLE_IS_LINEAR_IN_W"] = int(layout.power == 1.0)
     for name in (
         "N_VIEWS",
@@ -60,6 +66,7 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
         "N_PHI",
         "WIDTH",
         "HEIGHT",
+        "VIEWS",
         "GUARD_X",
         "GUARD_Y",
     ):

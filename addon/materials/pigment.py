@@ -65,6 +65,23 @@ def colour_of(shader: bpy.types.NodeSocket) -> tuple[float, float, float] | None
     return None
 
 
+def sees_through(shader: bpy.types.NodeSocket) -> bool:
+    """Whether a shader is transparent somewhere, as far as its nodes tell; nothing is added to them.
+
+    Parameters
+    ----------
+    shader
+        An input that shaders are linked to.
+    """
+    for node, _ in _closures(shader, ()):
+        alpha = node.inputs.get("Alpha")
+        if node.bl_idname in _TRANSPARENT:
+            return True
+        if alpha is not None and alpha.type == "VALUE" and (alpha.is_linked or alpha.default_value < 1.0):
+            return True
+    return False
+
+
 def remove_alpha(tree: bpy.types.NodeTree) -> None:
     """Remove the nodes that `alpha_of` made."""
     for node in [node for node in tree.nodes if node.get(OURS) == ALPHA]:

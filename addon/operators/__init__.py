@@ -18,10 +18,11 @@ from . import (
     setting_presets,
     show_image,
 )
+from .painting import paint
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
-    add_node, add_scales, fit, asset_library, show_image, bake_lights,
+    add_node, add_scales, paint, fit, asset_library, show_image, bake_lights,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

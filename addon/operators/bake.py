@@ -50,6 +50,8 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     films: properties.films()
     lacquer: properties.lacquer()
     energy: properties.energy()
+    scale_headroom: properties.headroom("Scale")
+    depth_headroom: properties.headroom("Depth")
     device: EnumProperty(
         name="Device",
         description="What computes the transforms; the preferences decide where it is left out",

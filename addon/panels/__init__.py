@@ -5,10 +5,10 @@
 `viewport`), Evaluate 6. A new sub-panel names its stage as `bl_parent_id` and joins the module's `CLASSES`.
 """
 
-from . import bake, entrances, evaluate, levelling, material, scan, sidebar
+from . import bake, entrances, evaluate, levelling, material, paint, scan, sidebar
 
 CLASSES = tuple(
-    cls for module in (sidebar, scan, levelling, bake, material, evaluate, entrances) for cls in module.CLASSES
+    cls for module in (sidebar, scan, levelling, bake, material, paint, evaluate, entrances) for cls in module.CLASSES
 )
 
 

@@ -88,7 +88,7 @@ class DIFFRACTION_PT_bake_advanced(Sidebar, bpy.types.Panel):
         layout.prop(state, "illuminant")
         if state.illuminant == light_file.FILE:
             _light(layout, state)
-        for name in ("series", "tolerance", "energy", "limit_mb"):
+        for name in ("series", "tolerance", "energy", "scale_headroom", "depth_headroom", "limit_mb"):
             layout.prop(state, name)
 
 

@@ -132,7 +132,7 @@ def _switches(layout: bpy.types.UILayout, node: Any) -> None:
     path = f'object.active_material.node_tree.nodes["{node.name}"].inputs'
     fresnel, energy = (node.inputs.get(name) for name in ("Fresnel", "ConserveEnergy"))
     if fresnel is not None and not (fresnel.is_linked or fresnel.hide):
-        row = layout.row(align=True)
+        row = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)  # four in a line are cut off
         for value, text in ((3, "Dielectric"), (2, "Conductor"), (1, "Schlick"), (0, "All")):
             choice = row.operator("wm.context_set_int", text=text, depress=fresnel.default_value == value)
             choice.data_path, choice.value = f'{path}["Fresnel"].default_value', value

@@ -68,7 +68,9 @@ class DIFFRACTION_PT_preset(Sidebar, bpy.types.Panel):
         layout, state = split(self.layout), context.scene.diffraction
         if not bpy.app.background:
             layout.template_icon_view(state, "preset", show_labels=True, scale=5.0, scale_popup=5.0)
-        layout.prop(state, "preset")
+        row = layout.row()
+        row.use_property_split = False  # beside a label the names are cut off
+        row.prop(state, "preset", text="")
         preset, values = PRESETS[state.preset], getattr(state.presets, state.preset)
         column = layout.column(align=True)
         for parameter in preset.parameters:

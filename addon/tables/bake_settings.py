@@ -20,6 +20,7 @@ LEVELLING = ("use_crop", "crop_um", "level", "align_rows", "clip_percent", "smoo
 FIELDS = (
     *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "illuminant", "illuminant_file",
     "illuminant_data", "series", "tolerance", "limit_mb", "substrate", "films", "lacquer", "energy",
+    "scale_headroom", "depth_headroom",
 )  # fmt: skip
 
 
@@ -47,6 +48,8 @@ def parameters(owner: Any) -> BakeParameters:
         limit_bytes=owner.limit_mb * 1_000_000,
         **stuff(owner.substrate, owner.films, owner.lacquer),
         energy=owner.energy,
+        scale_headroom=decimal(owner.scale_headroom),
+        depth_headroom=decimal(owner.depth_headroom),
     )
 
 

@@ -14,8 +14,9 @@ import numpy as np
 
 from ...precompute.errors import DiffractionError
 from ..materials import material
+from ..materials.node import paint_nodes
 from . import items, lamps, looks, surroundings
-from .data import blocks, orientation, sources
+from .data import blocks, masks, orientation, sources
 from .data.batches import Meshes
 from .data.directions import Directions
 from .data.display import Display
@@ -160,8 +161,11 @@ class Renderer:
             return 0
         around = around if around is not None else surroundings.of_world(depsgraph.scene.original.world)
         # An operator can wait for what a drawing must not stop for.
-        sky = self.skies.texture(around.sky, wait=not through_display) if around.sky is not None else None
+        lit = self.skies.get(around.sky, wait=not through_display) if around.sky is not None else None
+        sky = lit.texture if lit is not None else None
         rows = listing.lamps if around.lamps else listing.lamps[:0]
+        if lit is not None and around.sky is not None:
+            rows = np.concatenate([rows, lamps.sun_rows(lit.suns, around.sky)])[: lamps.LAMPS_MAX]
         if view.lights == "STUDIO" or (not len(rows) and around.sky is None and around.lamps):
             rows = lamps.studio_rows(view_matrix)
         exposure = depsgraph.scene.original.view_settings.exposure
@@ -177,17 +181,18 @@ class Renderer:
         gpu.state.depth_mask_set(False)
         try:
             rows = self._uniform(("frame",), frame.rows())
-            bound = shader = None
-            facing = ""
+            shader: Any = None
+            bound, facing = 0, ""
+            replaces = view.surface == "REPLACE"
             for item in listing.items:
-                if shader is None or item.material != bound:
-                    bound = item.material
-                    shader = self._bind(bound, view, shared, any(around.ambient), sky, wait=not through_display)
+                if shader is None or item.uid != bound:
+                    bound = item.uid
+                    shader = self._bind(item.material, view, shared, any(around.ambient), sky, wait=not through_display)
                     shader.uniform_block("df_frame", rows)
                     if through_display:
                         shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
                 # Nothing is added to a surface's back.
-                culled = "NONE" if view.surface == "REPLACE" else "FRONT" if item.mirrored else "BACK"
+                culled = "NONE" if replaces else "FRONT" if item.mirrored else "BACK"
                 if culled != facing:
                     facing = culled
                     gpu.state.face_culling_set(culled)
@@ -223,14 +228,22 @@ class Renderer:
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
-            shader.uniform_sampler("df_albedo", table.albedo)
+            if "SCALED" in flags:
+                shader.uniform_sampler("df_tiles", self.tables.tiles(path))
+            else:
+                shader.uniform_sampler("df_albedo", table.albedo)
         if "SKYLIT" in flags:
             shader.uniform_sampler("df_sky", sky)
         if directions is not None:
             shader.uniform_sampler("df_importance", directions)
+        painted = paint_nodes.image(shaded)
+        if painted is not None:
+            shader.uniform_sampler("df_paint", gpu.texture.from_image(painted))
         turned = orientation.angle_image(shaded)
-        if turned is not None:
+        if turned is not None and painted is None:
             shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
+        if "MASKED" in flags:
+            shader.uniform_sampler("df_mask", gpu.texture.from_image(masks.of(shaded).image))
         if view.method == "FLSS":
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)
@@ -256,12 +269,10 @@ class Renderer:
         listing = self._listings.get(key)
         if listing is None or listing.version != version:
             self._forget()
-            made = _Listing(
-                version,
-                items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m))),
-                lamps.scene_rows(depsgraph, visible),
-            )
-            listing = self._listings[key] = made
+            found, made = items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m)))
+            middle = found[len(found) // 2].matrix.translation if found else None
+            rows = lamps.scene_rows(depsgraph, visible, made, middle) if found else np.zeros((0, 6, 4), np.float32)
+            listing = self._listings[key] = _Listing(version, found, rows)
             while len(self._listings) > _LISTS:
                 self._listings.popitem(last=False)
             self._drop_unused()

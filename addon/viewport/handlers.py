@@ -44,8 +44,7 @@ def draw_view() -> None:
         through_display=True,
         visible=lambda ob: ob.visible_in_viewport_get(space) and not manners.away(ob, eevee),
         list_key=(space.as_pointer() if space.local_view is not None else 0, eevee, *manners.modes(context)),
-        # EEVEE shows what its lamps send to them; with Scene Lights off it has none.
-        skips_nodes=eevee and around.lamps,
+        skips_nodes=eevee,  # EEVEE shows what its lamps and the world send to them
         loose_depth=eevee,
         asks=asks,
         around=around,

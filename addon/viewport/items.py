@@ -5,11 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from operator import attrgetter
 from typing import Any
 
 import bpy
 from mathutils import Matrix
 
+from ..lights import instances
 from ..materials import material
 from .data import orientation
 from .data.batches import MeshBatches, Meshes, mesh_key
@@ -17,11 +19,22 @@ from .data.batches import MeshBatches, Meshes, mesh_key
 _SURFACES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True)
+class MadeLamp:
+    """A lamp that the depsgraph made, used like an object."""
+
+    name: str
+    data: Any
+    matrix_world: Matrix
+
+
+@dataclass(eq=False, slots=True)
 class Item:
     """One material slot of one instance."""
 
     material: bpy.types.Material
+    #: Session uid of the material, which is quicker to compare.
+    uid: int
     matrix: Matrix
     #: Whether the matrix turns the inside out.
     mirrored: bool
@@ -34,8 +47,8 @@ def gather(
     meshes: Meshes,
     visible: Callable[[bpy.types.Object], bool],
     shown: Callable[[bpy.types.Material], bool],
-) -> list[Item]:
-    """All pieces to draw, instances included.
+) -> tuple[list[Item], list[MadeLamp]]:
+    """All pieces to draw, instances included, and the lamps that the depsgraph made.
 
     Parameters
     ----------
@@ -46,14 +59,21 @@ def gather(
     """
     ours = {m.session_uid: m for m in bpy.data.materials if material.is_ours(m) and _shown(m) and shown(m)}
     if not ours:
-        return []
+        return [], []
     orientations = {uid: orientation.of(m) for uid, m in ours.items()}
     #: By evaluated object: its slots' materials and its mesh's key; None where it shows nothing of ours.
     known: dict[int, tuple[dict[int, int], tuple] | None] = {}
-    found = []
+    found: list[Item] = []
+    made: list[MadeLamp] = []
+    surfaces = _SURFACES
     for instance in depsgraph.object_instances:
         ob = instance.object
-        if ob.type not in _SURFACES or not instance.show_self:
+        kind = ob.type
+        if kind == "LIGHT":
+            if instances.is_made_lamp(instance) and visible(instance.parent.original):
+                made.append(MadeLamp(ob.name, ob.data, instance.matrix_world.copy()))
+            continue
+        if kind not in surfaces or not instance.show_self:
             continue
         place = ob.as_pointer()
         if place not in known:
@@ -68,16 +88,18 @@ def gather(
             continue
         matrix = instance.matrix_world.copy()
         mirrored = matrix.is_negative
-        for orient in {orientations[uid] for uid in used.values() if uid in ours}:
+        wanted = {orientations[uid] for uid in used.values() if uid in ours}
+        last = max(used)
+        for orient in wanted:
             mesh = meshes.get(ob, owner, orient, key)
             if mesh is None:
                 continue
             for index, batch in mesh.batches.items():
-                uid = used.get(min(index, max(used)))
+                uid = used.get(min(index, last))
                 if uid in ours and orientations[uid] == orient:
-                    found.append(Item(ours[uid], matrix, mirrored, mesh, batch))
-    found.sort(key=lambda item: item.material.session_uid)
-    return found
+                    found.append(Item(ours[uid], uid, matrix, mirrored, mesh, batch))
+    found.sort(key=attrgetter("uid"))
+    return found, made
 
 
 def _of_ours(ob: bpy.types.Object, ours: dict[int, bpy.types.Material]) -> tuple[dict[int, int], tuple] | None:
@@ -90,10 +112,10 @@ def _of_ours(ob: bpy.types.Object, ours: dict[int, bpy.types.Material]) -> tuple
 def slots(ob: bpy.types.Object) -> list[bpy.types.Material | None]:
     """Materials of an evaluated object by slot: geometry nodes may have added some to its data."""
     materials = list(getattr(ob.data, "materials", ()))
+    known = len(materials)
     for index, slot in enumerate(ob.material_slots):
-        if index < len(materials) and slot.link == "DATA":
-            continue
-        materials[index : index + 1] = [slot.material]
+        if index >= known or slot.link != "DATA":
+            materials[index : index + 1] = [slot.material]
     return materials
 
 

@@ -4,21 +4,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 import bpy
 import numpy as np
 from mathutils import Vector
 
+from ..lights import emitters
 from ..lights import lamps as lights
 from ..materials.osl import LAMP_KINDS, LAMPS_MAX
+from .data.sky import Sky
+from .items import MadeLamp
 
 #: Directions (in the view's axes) and strengths of the lamps that stand in where a scene has none.
 _STUDIO = (((-0.4, 0.5, 0.75), 3.0), ((0.8, 0.25, 0.55), 1.5), ((0.1, -0.7, 0.7), 0.8))
 
 
-def scene_rows(depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Object], bool]) -> np.ndarray:
-    """``(n, 6, 4)`` rows of the scene's lamps, at most ``LAMPS_MAX``.
+def scene_rows(
+    depsgraph: bpy.types.Depsgraph,
+    visible: Callable[[bpy.types.Object], bool],
+    made: Sequence[MadeLamp] = (),
+    middle: Vector | None = None,
+) -> np.ndarray:
+    """``(n, 6, 4)`` rows of the scene's lamps, at most ``LAMPS_MAX``: the same as the scene's list has.
 
     Parameters
     ----------
@@ -26,18 +34,72 @@ def scene_rows(depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Obje
         Evaluated.
     visible
         Whether an original object (of a lamp in a collection that an empty shows: the empty) is to be drawn.
+    made
+        Lamps that the depsgraph made.
+    middle
+        Where what is lit stands: of too many lamps those stay that shine brightest there.
     """
-    found = []
-    for lamp in lights.lamp_objects(depsgraph.scene.original)[:LAMPS_MAX]:
-        if not visible(lamp.instancer if isinstance(lamp, lights.InstancedLamp) else lamp):
-            continue
-        rows = lamp_rows(lamp.evaluated_get(depsgraph))
-        if rows is not None:
-            found.append(rows)
-    return np.array(found, np.float32).reshape(-1, 6, 4)
+    found = [rows for rows in _all_rows(depsgraph, visible, made) if rows is not None]
+    if len(found) > LAMPS_MAX:
+        at = np.array(middle if middle is not None else (0.0, 0.0, 0.0))
+        found.sort(key=lambda rows: -_irradiance(rows, at))
+    return np.array(found[:LAMPS_MAX], np.float32).reshape(-1, 6, 4)
 
 
-def lamp_rows(ob: lights.LampObject) -> np.ndarray | None:
+def _all_rows(
+    depsgraph: bpy.types.Depsgraph, visible: Callable[[bpy.types.Object], bool], made: Sequence[MadeLamp]
+) -> Iterator[np.ndarray | None]:
+    scene = depsgraph.scene.original
+    for lamp in lights.lamp_objects(scene):
+        if visible(lamp.instancer if isinstance(lamp, lights.InstancedLamp) else lamp):
+            yield lamp_rows(lamp.evaluated_get(depsgraph))
+    yield from map(lamp_rows, made)
+    for ob, colour in emitters.glowing(scene):
+        if visible(ob):
+            yield _glow_rows(ob.evaluated_get(depsgraph), colour)
+
+
+def _irradiance(rows: np.ndarray, at: np.ndarray) -> float:
+    """About what a lamp sheds on a place; shadows, cones and angles left out."""
+    power = float(rows[4, :3].mean())
+    if rows[0, 3] == LAMP_KINDS["SUN"]:
+        return power
+    if rows[0, 3] != LAMP_KINDS["BALL"]:
+        power *= float(rows[3, 3])
+    return power / max(float(((rows[0, :3] - at) ** 2).sum()), 1e-6)
+
+
+def _glow_rows(ob: bpy.types.Object, colour: tuple[float, float, float]) -> np.ndarray:
+    """Rows of a ball in place of a mesh that glows: it sheds as much as the mesh does on average over all sides."""
+    middle, radius = emitters.ball(ob)
+    world = ob.matrix_world
+    rows = np.zeros((6, 4))
+    rows[0] = *(world @ middle), LAMP_KINDS["BALL"]
+    rows[4, :3] = np.array(colour) * emitters.shadow_area(ob)
+    rows[4, 3] = radius * max(world.to_scale())
+    return rows
+
+
+def sun_rows(suns: np.ndarray, sky: Sky) -> np.ndarray:
+    """``(n, 6, 4)`` rows of what stands out of a sky.
+
+    Parameters
+    ----------
+    suns
+        ``(n, 7)``, see `data.sky.Lit`.
+    sky
+        Whose turn and strength they get.
+    """
+    rows = np.zeros((len(suns), 6, 4), np.float32)
+    rows[:, 0, :3] = suns[:, :3] @ np.reshape(sky.turn, (3, 3))  # back from the image's directions
+    rows[:, 0, 3] = LAMP_KINDS["SUN"]
+    rows[:, 4, :3] = suns[:, 3:6] * np.array(sky.strength)
+    rows[:, 4, 3] = suns[:, 6]
+    rows[:, 5, 0] = 2.0 * np.sin(0.5 * suns[:, 6]) ** 2
+    return rows
+
+
+def lamp_rows(ob: lights.LampObject | MadeLamp) -> np.ndarray | None:
     """``(6, 4)`` rows of an evaluated lamp: place + kind, two half axes, normal, colour + size, extra; None if dark.
 
     With P the power in watts: a ball has the intensity P / 4 pi, an area lamp of area A the radiance P / (pi A),
@@ -86,7 +148,7 @@ def lamp_rows(ob: lights.LampObject) -> np.ndarray | None:
     return rows
 
 
-def _axes(ob: lights.LampObject) -> list[Vector]:
+def _axes(ob: lights.LampObject | MadeLamp) -> list[Vector]:
     """Axes of an object in world space, as long as it is scaled."""
     return [ob.matrix_world.col[i].xyz for i in range(3)]
 

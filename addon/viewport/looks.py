@@ -10,14 +10,16 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ...precompute.constants import LEAST_SCALE
 from ...precompute.evaluate.surface import coherence_area, relative_colour_factor
 from ...precompute.light.colour import table_light, xyz_to_rgb_matrix
 from ...precompute.table.layout import TableLayout
 from ..colour_spaces import working_space
 from ..materials import material
 from ..materials import pigment as pigments
+from ..materials.node import paint_nodes
 from ..materials.osl import FRESNEL
-from .data import orientation
+from .data import masks, orientation
 from .data.blocks import Surface
 
 
@@ -61,6 +63,7 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
     value = _Sockets(node)
     illuminant = table_light(info["colour"])
     modes = {number: name for name, number in FRESNEL.items()}
+    mask = masks.of(shaded)
     look = Surface(
         layout=layout,
         to_rgb=xyz_to_rgb_matrix(working_space(), illuminant),
@@ -70,19 +73,38 @@ def surface(shaded: bpy.types.Material, layout: TableLayout, info: dict, view: V
         conductor_k=tuple(value("ConductorK", (7.47, 6.54, 5.47)))[:3],
         conserve_energy=bool(value("ConserveEnergy", 1)) and info["albedo_max"] > 1.0,
         rotation=float(value("Rotation", 0.0)),
+        scale=_least(value("Scale", 1.0)),
+        depth=_least(value("Depth", 1.0)),
+        mask=mask.constant,
+        mask_factor=mask.factor,
+        mask_image=mask.image is not None,
+        mask_alpha=mask.alpha,
         environment=bool(value("Environment", 0)),
         brightness=float(value("Brightness", 1.0)) * view.brightness,
+        lacquer_roughness=float(value("LacquerRoughness", 0.05)),
     )
     if layout.holds_reflectance:
         look.kept = np.clip(np.array(info["reflectance_xyz"], float) @ look.to_rgb.T, 0.0, 1.0)
+    base = node.inputs.get("Base") if node is not None else None
+    if (look.mask_image or look.mask < 1.0) and base is not None:
+        look.cutout = pigments.sees_through(base)
+    if (look.scale, look.depth) != (1.0, 1.0) or paint_nodes.image(shaded) is not None:
+        look.conserve_energy = bool(value("ConserveEnergy", 1))  # its albedo may pass 1 where the table's does not
     turned = orientation.angle_image(shaded)
     if turned is not None:
         look.angle_image, look.rotation = True, turned[1]
+    if paint_nodes.image(shaded) is not None:
+        look.painted, look.rotation = True, paint_nodes.turn(shaded)
     if view.normalisation == "RELATIVE":
         look.brightness *= relative_gain(info, look)
     if view.surface == "REPLACE":
         look.pigment = pigment(node)
     return look
+
+
+def _least(value: Any) -> float:
+    """A scale or depth as renderers take it."""
+    return float(value) if float(value) >= LEAST_SCALE else LEAST_SCALE
 
 
 def relative_gain(info: dict, look: Surface) -> float:

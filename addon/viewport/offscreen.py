@@ -187,7 +187,7 @@ def render(
                             list_key=1,
                             asks=asks,
                             around=around,
-                            skips_nodes=shading != "SOLID" and around.lamps,
+                            skips_nodes=shading != "SOLID",
                         )  # fmt: skip
                     if renderer.message:
                         raise ParameterError(renderer.message)

@@ -8,7 +8,6 @@ import textwrap
 import bpy
 
 from ..materials import material
-from . import surroundings
 
 
 class DIFFRACTION_PT_viewport(bpy.types.Panel):
@@ -41,9 +40,8 @@ class DIFFRACTION_PT_viewport(bpy.types.Panel):
         shading = getattr(context.space_data, "shading", None)
         if shading is not None and shading.type == "RENDERED" and context.scene.render.engine == "CYCLES":
             layout.label(text="Cycles shows the material itself", icon="INFO")
-        missing = surroundings.of_shading(context.scene, shading).unknown
-        if missing:
-            layout.label(text=f"Not shown: {missing}", icon="INFO")
+        if handlers.renderer.skies.message:
+            layout.label(text=f"Not shown: {handlers.renderer.skies.message}", icon="INFO")
         for index, line in enumerate(textwrap.wrap(handlers.renderer.message, 44)):
             layout.label(text=line, icon="ERROR" if index == 0 else "BLANK1")
 

@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 
 import bpy
 import numpy as np
 from mathutils import Euler
 
+from .data import panorama
 from .data.sky import Sky
 
 _IDENTITY = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -27,14 +27,11 @@ class Surroundings:
         An image all around; None where there is none.
     lamps
         Whether the scene's lamps shine in this view.
-    unknown
-        What the world has that cannot be shown, empty where nothing is missing.
     """
 
     ambient: tuple[float, float, float] = (0.0, 0.0, 0.0)
     sky: Sky | None = None
     lamps: bool = True
-    unknown: str = ""
 
 
 def of_shading(scene: bpy.types.Scene, shading: bpy.types.View3DShading | None) -> Surroundings:
@@ -46,7 +43,7 @@ def of_shading(scene: bpy.types.Scene, shading: bpy.types.View3DShading | None) 
     by_world = shading.use_scene_world_render if rendered else shading.use_scene_world
     if by_world:
         world = of_world(scene.world)
-        return Surroundings(world.ambient, world.sky, lamps, world.unknown)
+        return Surroundings(world.ambient, world.sky, lamps)
     return Surroundings(sky=studio(shading), lamps=lamps)
 
 
@@ -57,11 +54,11 @@ def studio(shading: bpy.types.View3DShading) -> Sky | None:
         return None
     turn = np.array(Euler((0.0, 0.0, shading.studiolight_rotate_z)).to_matrix()).ravel()
     strength = float(shading.studiolight_intensity)
-    return Sky("", light.path, _file_stamp(light.path), tuple(turn.tolist()), (strength, strength, strength))
+    return Sky("", light.path, panorama.file_stamp(light.path), tuple(turn.tolist()), (strength, strength, strength))
 
 
 def of_world(world: bpy.types.World | None) -> Surroundings:
-    """Colour or image of a world, as far as its nodes tell without being evaluated."""
+    """Colour or image of a world; one of more nodes as a panorama that has to be rendered."""
     if world is None:
         return Surroundings()
     if world.node_tree is None:
@@ -72,22 +69,25 @@ def of_world(world: bpy.types.World | None) -> Surroundings:
         return Surroundings()
     node = links[0].from_node
     if node.bl_idname != "ShaderNodeBackground" or node.inputs["Strength"].links:
-        return Surroundings(unknown="a world of more than one Background")
+        return _rendered(world)
     strength = float(node.inputs["Strength"].default_value)
     colour = node.inputs["Color"]
     if not colour.links:
         return Surroundings(tuple(strength * c for c in tuple(colour.default_value)[:3]))
     picture = colour.links[0].from_node
     if picture.bl_idname != "ShaderNodeTexEnvironment":
-        return Surroundings(unknown=f"the world's {picture.bl_label}")
+        return _rendered(world)
     if picture.image is None:
         return Surroundings((strength, 0.0, strength))  # Blender's colour for a missing image
     turn = _turn(picture.inputs["Vector"])
     if picture.projection != "EQUIRECTANGULAR" or turn is None:
-        return Surroundings(unknown="the mapping of the world's image")
+        return _rendered(world)
     image = picture.image
-    stamp = (image.session_uid, tuple(image.size), image.filepath, _file_stamp(bpy.path.abspath(image.filepath)))
-    return Surroundings(sky=Sky(image.name_full, "", stamp, turn, (strength, strength, strength)))
+    return Surroundings(sky=Sky(image.name_full, "", panorama.image_stamp(image), turn, (strength, strength, strength)))
+
+
+def _rendered(world: bpy.types.World) -> Surroundings:
+    return Surroundings(sky=Sky("", "", panorama.stamp(world), _IDENTITY, (1.0, 1.0, 1.0), world.name_full))
 
 
 def _turn(socket: bpy.types.NodeSocket) -> tuple[float, ...] | None:
@@ -113,11 +113,3 @@ def _turn(socket: bpy.types.NodeSocket) -> tuple[float, ...] | None:
     if node.vector_type == "TEXTURE":
         turn = turn.T
     return tuple((turn @ np.reshape(before, (3, 3))).ravel().tolist())
-
-
-def _file_stamp(path: str) -> tuple:
-    try:
-        stat = os.stat(path)
-    except OSError:
-        return ()
-    return stat.st_mtime_ns, stat.st_size

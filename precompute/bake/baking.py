@@ -120,6 +120,7 @@ def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
         parameters.detail,
         parameters.index,
         0 if parameters.stack is None and parameters.lacquer is None else N_REFLECTANCE,
+        (parameters.scale_headroom, parameters.depth_headroom),
     )
     if layout.texel_bytes > parameters.limit_bytes:
         raise SizeLimitError(
@@ -274,7 +275,15 @@ def _bake(
     stages.done("prepare")
     wavelengths, weights = spectral_weights(illuminant=parameters.illuminant)
     white = white_xyz(parameters.illuminant)
-    polar = PolarIntensity(patch, sigma_s, parameters.ensemble, parameters.series, parameters.tolerance, kappa_max)
+    polar = PolarIntensity(
+        patch,
+        sigma_s,
+        parameters.ensemble,
+        parameters.series,
+        parameters.tolerance,
+        kappa_max,
+        parameters.frequency_max,
+    )
     nodes = chebyshev_nodes(kappa_max, node_count(x, parameters.tolerance))
     compute = PolarIntensity.coefficients if transforms is None or parameters.series != "nodes" else transforms
     coefficients = compute(polar, nodes, lambda done: stages.report("transforms", 0.05 + 0.5 * done))

@@ -50,7 +50,9 @@ def check_scale(scan: HeightField, sigma_s_m: float) -> None:
         raise ParameterError(f"sigma_s is {sigma_s_m:.3g} m; give it between a nanometre and ten centimetres.")
 
 
-def transform_bytes(field: HeightField, pixels: tuple[int, int], sigma_s_m: float, series: str) -> float:
+def transform_bytes(
+    field: HeightField, pixels: tuple[int, int], sigma_s_m: float, series: str, frequency_max: float = FREQUENCY_MAX
+) -> float:
     """Peak while the spectra are computed, without what is kept for later.
 
     Parameters
@@ -61,12 +63,12 @@ def transform_bytes(field: HeightField, pixels: tuple[int, int], sigma_s_m: floa
         Rows and columns after refining.
     sigma_s_m
         Coherence window, metres.
-    series
+    series, frequency_max
         See ``BakeParameters``.
     """
     (rows, cols), (size_x, size_y) = pixels, field.size_m
-    along_x = Axis.plan(cols, size_x / cols, sigma_s_m)
-    along_y = Axis.plan(rows, size_y / rows, sigma_s_m)
+    along_x = Axis.plan(cols, size_x / cols, sigma_s_m, frequency_max)
+    along_y = Axis.plan(rows, size_y / rows, sigma_s_m, frequency_max)
     # Heights and masks as read and as prepared, and a copy for the phases.
     patch = rows * cols * (2 * 9.0 + 4.0)
     # The band along x, few lags of its transform, what is interleaved, and a thread's lines.
@@ -89,12 +91,12 @@ def bake_bytes(
     rows, cols = field.shape
     x = parameters.kappa_max * 0.5 * float(field.heights.max() - field.heights.min())
     nodes = node_count(x, parameters.tolerance)
-    along_x = Axis.plan(cols, field.dx, sigma_s_m)
-    along_y = Axis.plan(rows, field.dy, sigma_s_m)
-    spectra = transform_bytes(field, field.shape, sigma_s_m, parameters.series)
+    along_x = Axis.plan(cols, field.dx, sigma_s_m, parameters.frequency_max)
+    along_y = Axis.plan(rows, field.dy, sigma_s_m, parameters.frequency_max)
+    spectra = transform_bytes(field, field.shape, sigma_s_m, parameters.series, parameters.frequency_max)
     coefficients = 4.0 * along_x.fine * along_y.fine * nodes
     texels = 12.0 * layout.n_r * layout.n_w * layout.n_phi
-    frequencies = FREQUENCY_MAX / (RADIAL_STEP * lobe_width(sigma_s_m))
+    frequencies = parameters.frequency_max / (RADIAL_STEP * lobe_width(sigma_s_m))
     block = angles_a_block * frequencies * (16 * 16.0 + 5.0 * nodes)
     matrices = 4.0 * layout.n_r * layout.n_w * 3 * nodes * _TAPS_A_RADIUS
     heights = rows * cols * (2 * 9.0 + (4.0 if parameters.series == "nodes" else 16.0))
@@ -118,9 +120,11 @@ def check_scan(scan: HeightField, sigma_s_m: float, parameters: BakeParameters, 
     check_scale(scan, sigma_s_m)
     if parameters.crop_m is not None:
         return  # what is left of it is checked as a patch
-    factor_x, factor_y = refine_factors(scan)
+    factor_x, factor_y = refine_factors(scan, parameters.pixel_max_m)
     pixels = scan.shape[0] * factor_y, scan.shape[1] * factor_x
-    _check(_BASE_BYTES + transform_bytes(scan, pixels, sigma_s_m, parameters.series), limit_bytes)
+    _check(
+        _BASE_BYTES + transform_bytes(scan, pixels, sigma_s_m, parameters.series, parameters.frequency_max), limit_bytes
+    )
 
 
 def check_bake(

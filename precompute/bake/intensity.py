@@ -68,10 +68,11 @@ class PolarIntensity:
         series: str = "nodes",
         tolerance: float = 1e-4,
         kappa_max: float = KAPPA_MAX,
+        frequency_max: float = FREQUENCY_MAX,
     ) -> None:
         rows, cols = field.shape
-        self.x = Axis.plan(cols, field.dx, sigma_s_m)
-        self.y = Axis.plan(rows, field.dy, sigma_s_m)
+        self.x = Axis.plan(cols, field.dx, sigma_s_m, frequency_max)
+        self.y = Axis.plan(rows, field.dy, sigma_s_m, frequency_max)
         self.window_axes = (
             window_axis(rows, field.dy, sigma_s_m, ensemble),
             window_axis(cols, field.dx, sigma_s_m, ensemble),
@@ -87,7 +88,7 @@ class PolarIntensity:
         pixel = field.dx * field.dy
         self._factor = pixel**2 / area / (self.x.padded * self.y.padded * pixel) * self.x.lag_step * self.y.lag_step
         step = RADIAL_STEP * lobe_width(sigma_s_m)
-        count = int(np.ceil(FREQUENCY_MAX / step)) + 4
+        count = int(np.ceil(frequency_max / step)) + 4
         self.frequencies = step * np.arange(count)
 
     def _spectrum(self, p: np.ndarray) -> np.ndarray:

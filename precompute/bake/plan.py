@@ -35,6 +35,7 @@ def plan_layout(
     detail: float = 1.0,
     index: float = 1.0,
     n_reflectance: int = 0,
+    headroom: tuple[float, float] = (1.0, 1.0),
 ) -> TableLayout:
     """Layout for a coherence window and a range of heights.
 
@@ -53,13 +54,17 @@ def plan_layout(
         ``2 sqrt(n^2 - 1)`` and ``2 n``.
     n_reflectance
         Columns of the row that holds the reflectance of the surface's stuff; 0 without.
+    headroom
+        Largest Scale and Depth of a painted surface.
     """
     lobe = _REFERENCE_M / (2.0 * math.pi * math.sqrt(2.0) * sigma_s_m)
     ratio = _STEP_FAR_OUT / detail
     r0 = min(_STEP_NEAR_ZERO * lobe / _STEP_FAR_OUT, 1.0)
-    n_r = 1 + math.ceil(math.asinh(R_MAX / r0) / ratio)
+    n_r = 1 + math.ceil(math.asinh(R_MAX * headroom[0] / r0) / ratio)
     n_phi = max(256, 32 * math.ceil(2.0 * math.pi * detail / (_ARC[ensemble] * lobe) / 32))
-    w_max, w_min = W_MAX * index, max(_W_MIN, 0.999 * W_MAX * math.sqrt(index**2 - 1.0))
+    w_max, w_min = W_MAX * index * headroom[1], max(_W_MIN, 0.999 * W_MAX * math.sqrt(index**2 - 1.0))
+    if headroom != (1.0, 1.0):  # a painted surface takes other |w| than light gives
+        w_min = _W_MIN
     x = 2.0 * math.pi * w_max / WAVELENGTH_MIN_M * half_range_m
     n_w = max(12, math.ceil(detail * (10.0 + x)))
     if w_min > _W_MIN:  # as dense as they would be over the whole range, at its upper end
@@ -76,5 +81,7 @@ def plan_layout(
         w_max=w_max,
         n_albedo=2,
         n_reflectance=n_reflectance,
+        scale_headroom=headroom[0],
+        depth_headroom=headroom[1],
         tile_columns=near_square_columns(n_r, n_phi, n_w),
     )

@@ -61,11 +61,11 @@ class Axis:
     fine: int  # length of the last transform
 
     @classmethod
-    def plan(cls, pixels: int, step: float, sigma_s_m: float) -> Axis:
+    def plan(cls, pixels: int, step: float, sigma_s_m: float, frequency_max: float = FREQUENCY_MAX) -> Axis:
         length = pixels * step
         lag_cut = min(length, LAG_CUT * sigma_s_m)
         padded = fast_length(int(np.ceil((length + lag_cut) / step)) + 1)
-        top = FREQUENCY_MAX + BAND_MARGIN * lobe_width(sigma_s_m)
+        top = frequency_max + BAND_MARGIN * lobe_width(sigma_s_m)
         # Even and of small prime factors.
         band = 2 * fast_length(int(np.ceil(top * padded * step)) + 1, real=True)
         lag_step = padded * step / band

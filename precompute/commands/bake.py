@@ -19,6 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_parameters(parser)
     options.add_replicas(parser)
     options.add_stuff(parser)
+    options.add_headroom(parser)
     parser.add_argument("--detail", type=options.number, default=default.detail, help="resolution of the table")
     parser.add_argument(
         "--limit-mb",

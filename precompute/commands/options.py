@@ -183,6 +183,18 @@ def stuff_lines(result: dict[str, Any]) -> list[str]:
     return lines
 
 
+def add_headroom(parser: argparse.ArgumentParser) -> None:
+    """--scale-headroom and --depth-headroom."""
+    for what in ("scale", "depth"):
+        parser.add_argument(
+            f"--{what}-headroom",
+            type=number,
+            default=1.0,
+            metavar="X",
+            help=f"largest {what} of a painted surface that the table is to hold; more than 1 makes it larger",
+        )
+
+
 def add_replicas(parser: argparse.ArgumentParser) -> None:
     """--replicas, for the ensemble ``periodic``."""
     parser.add_argument(
@@ -195,6 +207,9 @@ def bake_parameters(args: argparse.Namespace, **more: Any) -> BakeParameters:
     """The parameters that `add_parameters` collected, in SI units."""
     if "replicas" in args and args.ensemble == "periodic":
         more.setdefault("replicas", tuple(args.replicas))
+    for name in ("scale_headroom", "depth_headroom"):
+        if name in args:
+            more.setdefault(name, getattr(args, name))
     fields = {name: _si(args, key, factor) for name, key, factor in _FIELDS}
     return BakeParameters(**fields, crop_m=crop(args), **stuff(args), **more)
 
@@ -283,8 +298,17 @@ def scaled(args: argparse.Namespace, table: SpectralTable) -> tuple[Any, dict[st
 
     changed = ScaledTable(table, args.scale, args.depth, math.radians(args.rotation))
     note: dict[str, Any] = {"scale": args.scale, "depth": args.depth, "rotation_deg": args.rotation}
+    notes = []
     if changed.beyond:
-        note["note"] = "A scale or depth above 1 passes the rim of the table, whose last values are taken there."
+        most = " and ".join(f"{value:g}" for value in table.headroom)
+        notes.append(
+            f"A scale or depth above {most} passes the rim of the table, whose last values are taken there; bake with"
+            " --scale-headroom or --depth-headroom for more."
+        )
+    if changed.approximate:
+        notes.append("The stack's reflectance is taken at the angle of the scaled coordinates, which is approximate.")
+    if notes:
+        note["note"] = " ".join(notes)
     return changed, note
 
 

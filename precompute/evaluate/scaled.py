@@ -11,16 +11,21 @@ window's area, which grows by s^2.
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
 from ..constants import LEAST_SCALE
 from ..errors import ParameterError
 from ..table.albedo import albedo_map
+from ..table.scaled_albedo import look_up, scaled_albedos
 from ..table.table import SpectralTable
-from .directions import uvw
-from .surface import geometry_factor
+from .surface import geometry_factor, lacquer_factor, lacquer_uvw
+
+
+@lru_cache(maxsize=4)
+def _tiles_of(table: SpectralTable) -> np.ndarray:
+    return scaled_albedos(table)
 
 
 def at_least(value: np.ndarray | float) -> np.ndarray:
@@ -63,21 +68,6 @@ def scaled_transform(
     return np.broadcast_to(s**2, value.shape[:-1])[..., None] * value
 
 
-def check_scalable(table: SpectralTable) -> None:
-    """Refuse a table whose stuff is inside: its reflectance belongs to the angles of the surface as baked.
-
-    Raises
-    ------
-    ParameterError
-        For a table with a stack or a lacquer.
-    """
-    if table.has_stack or table.index > 1.0:
-        raise ParameterError(
-            "The table holds the reflectance of its stack or lacquer, which does not scale with the structure; bake the"
-            " other period or depth, or bake without a stack."
-        )
-
-
 class ScaledTable:
     """A table under one scale, depth and rotation, for everything that takes a table.
 
@@ -93,8 +83,6 @@ class ScaledTable:
         for name, value in (("scale", scale), ("depth", depth)):
             if not (np.isfinite(value) and value > 0):
                 raise ParameterError(f"A {name} of {value:g} makes no sense; give a positive number such as 0.5.")
-        if (scale, depth) != (1.0, 1.0):
-            check_scalable(table)
         self.has_stack, self.index = table.has_stack, table.index
         self.table, self.scale, self.depth, self.rotation = table, float(scale), float(depth), float(rotation)
         self.info = table.info
@@ -102,7 +90,17 @@ class ScaledTable:
     @property
     def beyond(self) -> bool:
         """Whether directions exist for which the table ends and its rim is taken."""
-        return self.scale > 1.0 or self.depth > 1.0
+        above = any(value > most for value, most in zip((self.scale, self.depth), self.table.headroom, strict=True))
+        # Under a lacquer light runs steeply, and a table without headroom holds no smaller |w|.
+        return above or (self.depth < 1.0 and self.table.layout.w_min > 0.5)
+
+    @property
+    def approximate(self) -> bool:
+        """Whether the reflectance of a stack in the table is taken at an angle that is not the surface's own.
+
+        ``|(u, v, w)| = 2 cos(half-angle)``, and the table looks it up at (s u, s v, q w).
+        """
+        return self.has_stack and (self.scale, self.depth) != (1.0, 1.0)
 
     def transform(self, u: np.ndarray, v: np.ndarray, w: np.ndarray) -> np.ndarray:
         """`scaled_transform` with these numbers."""
@@ -116,6 +114,22 @@ class ScaledTable:
         texels = np.moveaxis(value / (w**layout.power)[..., None], -1, 2)
         white = np.asarray(self.table.info["colour"]["white_xyz"], float)
         return albedo_map(texels.astype(np.float32), layout, white)
+
+    @property
+    def _tiles(self) -> np.ndarray:
+        return _tiles_of(self.table)
+
+    def conserving_albedo(self, directions: np.ndarray) -> np.ndarray:
+        """What renderers divide by where it passes 1, see `precompute.table.scaled_albedo`."""
+        directions = np.asarray(directions, float)
+        cosine, sine = np.cos(self.rotation), np.sin(self.rotation)
+        x, y = directions[..., 0], directions[..., 1]
+        own = np.stack([cosine * x + sine * y, cosine * y - sine * x, directions[..., 2]], -1)
+        if (self.scale, self.depth) == (1.0, 1.0):
+            return self.table.conserving_albedo(own)
+        most_s, most_q = self.table.headroom
+        shape = own.shape[:-1]
+        return look_up(self._tiles, own, np.full(shape, self.scale / most_s), np.full(shape, self.depth / most_q))
 
     def albedo(self, directions: np.ndarray) -> np.ndarray:
         """Directional albedo with R = 1, by the quadrature that bakes do."""
@@ -154,7 +168,7 @@ def painted_brdf(
     ndarray
         ``(rows, cols, 3)`` XYZ in 1/sr.
     """
-    check_scalable(table)
-    u, v, w = uvw(wi, wr)
-    factor = geometry_factor(wi, wr) * mask
+    wi, wr = np.asarray(wi, float), np.asarray(wr, float)
+    u, v, w = lacquer_uvw(wi, wr, table.index)
+    factor = (lacquer_factor(wi, wr, table.index) if table.index > 1.0 else geometry_factor(wi, wr)) * mask
     return factor[..., None] * scaled_transform(table, u, v, w, scale, depth, rotation)

@@ -13,8 +13,9 @@ from ..faces import on_demand
 
 if TYPE_CHECKING:
     from .maps import Paint, load_paint, save_paint
+    from .of_table import paint_of_table, table_period
     from .recipes import RECIPES, make_paint
 
-__all__ = ["RECIPES", "Paint", "load_paint", "make_paint", "save_paint"]
+__all__ = ["RECIPES", "Paint", "load_paint", "make_paint", "paint_of_table", "save_paint", "table_period"]
 
 __getattr__, __dir__ = on_demand(__name__)

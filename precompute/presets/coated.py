@@ -58,7 +58,7 @@ PRESETS = (
     ),
     Preset(
         "titanium_ripple",
-        "Anodised Titanium, Laser Ripple",
+        "Laser-Rippled Titanium",
         "Ripple that laser pulses leave on titanium, under an oxide film that makes it blue.",
         "Bonse, Kirner and Krueger, Laser-Induced Periodic Surface Structures, Handbook of Laser Micro- and "
         "Nano-Engineering (2020): ripple of low spatial frequency on metals, somewhat finer than the pulses' "

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from ..constants import PIXEL_MAX_M
 from ..parameters import BakeParameters
 from .clipping import clip, crop
 from .heightfield import HeightField
@@ -53,5 +52,5 @@ def prepare(field: HeightField, parameters: BakeParameters) -> HeightField:
     field = smooth(field, parameters.smooth_m)
     if parameters.tile != "none":
         field = make_tileable(field, parameters.tile)
-    field = refine(field, PIXEL_MAX_M)
+    field = refine(field, parameters.pixel_max_m)
     return replicate(field, parameters.replicas) if parameters.ensemble == "periodic" else field

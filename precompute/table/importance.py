@@ -24,6 +24,13 @@ distributions in equal steps of probability:
     radius   step k = floor(n_r * xi_1):    s^2 between two edges, even; and the row of its angles
     angle    step l = floor(n_phi * xi_2):  turn between two edges t_0, t_1 with half of the probability on
              either side of t_m, by  turn = t_0 + (t_1 - t_0) x / (x + c (1 - x)),  c = (t_1 - t_m) / (t_m - t_0)
+
+A surface stretched by s and deepened by q takes the same densities in scaled coordinates: for s <= 1 a direction is
+drawn for the viewer whose ``wr_xy`` is s times as long, and (u, v) = (u', v') / s. All that a viewer can receive is
+drawn; what falls beyond the horizon is nothing.
+
+The image holds the rows of the views from the bottom, and above them the albedos of scaled surfaces
+(`scaled_albedo`), which renderers look up only where a surface is painted.
 """
 
 from __future__ import annotations
@@ -38,6 +45,7 @@ import numpy as np
 from ..errors import TableError
 from ..files.atomic import atomic_path
 from ..files.exr import write_image
+from . import scaled_albedo
 from .layout import GUARD, GUARD_SIDE, TableLayout
 from .table import SpectralTable
 
@@ -60,15 +68,16 @@ def azimuths(i: int) -> int:
 #: Index of the first view of each polar angle, and of all views.
 FIRST_VIEW = tuple(sum(azimuths(k) for k in range(i)) for i in range(N_VIEWS + 1))
 
-#: Size of the image: a row a view, and a guard above them as the atlas has one (`layout.GUARD`).
+#: Size of the image: a row a view, the albedos of scaled surfaces, and a guard above as the atlas has one
+#: (`layout.GUARD`).
 VIEWS = FIRST_VIEW[-1]
-WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, VIEWS + GUARD_SIDE
+WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, VIEWS + scaled_albedo.HEIGHT + GUARD_SIDE
 
 #: Texel of the guard.
-GUARD_X, GUARD_Y = GUARD_SIDE // 2, VIEWS + GUARD_SIDE // 2
+GUARD_X, GUARD_Y = GUARD_SIDE // 2, HEIGHT - GUARD_SIDE + GUARD_SIDE // 2
 
 #: Version of the file, with all that its reader takes for granted; an image of another one is made anew.
-VERSION = f"3 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
+VERSION = f"4 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
 
 #: Shares of X, Y and Z in a density: the luminance and a little more; that alone would leave the blue orders to chance.
 _XYZ_SHARES = np.array((0.07, 0.86, 0.07), np.float32)
@@ -99,11 +108,37 @@ class Importance:
         ``(VIEWS, n_r)`` row of angles that a step of the radius uses.
     turn
         ``(VIEWS, n_rows, n_phi, 3)`` lower edge, upper edge and median of each step of phi / 2 pi.
+    albedos
+        ``(scaled_albedo.HEIGHT, scaled_albedo.WIDTH, 3)`` of scaled surfaces.
     """
 
     radius: np.ndarray
     row: np.ndarray
     turn: np.ndarray
+    albedos: np.ndarray
+
+    def draw_scaled(
+        self, wr: np.ndarray, xi_1: np.ndarray, xi_2: np.ndarray, scale: float
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Draw directions of light on a surface stretched by `scale`, as the shader does.
+
+        Returns
+        -------
+        wi : ndarray
+            ``(n, 3)``; on the horizon where the draw fell beyond it.
+        gain : ndarray
+            ``(n,)`` 1 / density per solid angle, 0 for those.
+        """
+        s = min(scale, 1.0)
+        if s == 1.0:
+            return self.draw(wr, xi_1, xi_2)
+        viewer = np.array([s * wr[0], s * wr[1], np.sqrt(max(1.0 - s * s * (wr[0] ** 2 + wr[1] ** 2), 0.0))])
+        wi, gain = self.draw(viewer, xi_1, xi_2)
+        place = (wi[:, :2] + viewer[:2]) / s - wr[:2]
+        rest = 1.0 - (place**2).sum(-1)
+        cos_i = np.sqrt(np.maximum(rest, 1e-12))
+        gain = np.where(rest > 0.0, gain * wi[:, 2] / (s * s * cos_i), 0.0)
+        return np.concatenate([place, cos_i[:, None]], -1), gain
 
     def draw(self, wr: np.ndarray, xi_1: np.ndarray, xi_2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions of light, as the shader does.
@@ -142,12 +177,14 @@ class Importance:
         """``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: a row a view.
 
         First the steps of the radius (two edges and the row of angles), then the rows of angles one after another
-        (two edges and the median). The guard stands above.
+        (two edges and the median). The albedos of scaled surfaces lie above all views, from the left, the guard
+        above them.
         """
         image = np.zeros((HEIGHT, WIDTH, 3), np.float32)
         image[:VIEWS, :N_R, :2] = self.radius
         image[:VIEWS, :N_R, 2] = self.row
         image[:VIEWS, N_R:] = self.turn.reshape(VIEWS, N_ROWS * N_PHI, 3)
+        image[VIEWS : VIEWS + scaled_albedo.HEIGHT, : scaled_albedo.WIDTH] = self.albedos
         image[GUARD_Y, GUARD_X] = GUARD
         return image
 
@@ -171,7 +208,7 @@ def importance(table: SpectralTable) -> Importance:
 
     with ThreadPoolExecutor(min(os.cpu_count() or 1, N_VIEWS)) as pool:
         list(pool.map(fill, range(N_VIEWS)))
-    return Importance(radius, row, turn)
+    return Importance(radius, row, turn, scaled_albedo.scaled_albedos(table))
 
 
 def albedo_free_cosine(table: SpectralTable) -> float:
@@ -346,7 +383,9 @@ def save_importance(
     import OpenEXR
 
     header = {
-        "compression": OpenEXR.ZIP_COMPRESSION,
+        # A third smaller with ZIP, but the window waits for it, and a Blender that brings an OpenEXR of its own
+        # (Linux distributions) prints a line for every compressed image.
+        "compression": OpenEXR.NO_COMPRESSION,
         "type": OpenEXR.scanlineimage,
         "atlasSha256": atlas_sha256,
         "importanceVersion": VERSION,

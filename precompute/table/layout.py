@@ -61,6 +61,9 @@ class TableLayout:
         Polar angles of the row that holds the reflectance of the surface's stuff; 0 has no such row.
     guarded
         1 where the atlas holds the guard texel; tables of format 1 do not.
+    scale_headroom, depth_headroom
+        Largest Scale and Depth of a painted surface for which the table still holds every direction: radii reach to
+        twice the one, |w| to `w_max` with the other in it.
     """
 
     n_r: int
@@ -78,6 +81,8 @@ class TableLayout:
     n_albedo: int = 1
     n_reflectance: int = 0
     guarded: int = 1
+    scale_headroom: float = 1.0
+    depth_headroom: float = 1.0
 
     def __post_init__(self) -> None:
         whole = (self.n_r, self.n_phi, self.n_w, self.tile_columns, self.n_theta, self.n_albedo_phi, self.n_albedo)
@@ -85,10 +90,10 @@ class TableLayout:
             raise TableError("The table's layout holds sizes that are not positive whole numbers; bake the scan again.")
         if any(not isinstance(n, int) or n < 0 for n in (self.n_reflectance, self.guarded)) or self.guarded > 1:
             raise TableError("The table's layout holds sizes that are not positive whole numbers; bake the scan again.")
-        numbers = (self.r0, self.w0, self.w_min, self.power, self.scale, self.w_max)
+        numbers = (self.r0, self.w0, self.w_min, self.power, self.scale, self.w_max, *self.headroom)
         if (
             not all(math.isfinite(x) for x in numbers)
-            or min(self.r0, self.w0, self.w_min, self.scale) <= 0
+            or min(self.r0, self.w0, self.w_min, self.scale, *self.headroom) <= 0
             or self.w_max <= self.w_min
         ):
             raise TableError("The table's layout holds impossible mapping constants; bake the scan again.")
@@ -98,12 +103,17 @@ class TableLayout:
     @property
     def a_r(self) -> float:
         """Columns per unit of asinh(r / r0)."""
-        return (self.n_r - 1) / math.asinh(R_MAX / self.r0)
+        return (self.n_r - 1) / math.asinh(R_MAX * self.scale_headroom / self.r0)
+
+    @property
+    def headroom(self) -> tuple[float, float]:
+        """Largest Scale and Depth that the table holds; (1, 1) where it was baked for the surface as it is."""
+        return self.scale_headroom, self.depth_headroom
 
     @property
     def index(self) -> float:
         """Refractive index of what lies over the relief: 1, or that of a lacquer."""
-        return self.w_max / W_MAX
+        return self.w_max / (W_MAX * self.depth_headroom)
 
     @property
     def holds_reflectance(self) -> bool:
@@ -217,6 +227,8 @@ class TableLayout:
             name: getattr(self, name) for name in ("a_r", "a_w", "s_w", "tile_rows", "width", "height", "albedo_y")
         }
         numbers = {**asdict(self), **derived}
+        if self.headroom == (1.0, 1.0):  # what is not there leaves no trace
+            numbers = {name: value for name, value in numbers.items() if name not in _HEADROOM}
         if not self.guarded:  # as format 1 has it
             return {name: value for name, value in numbers.items() if name not in _SINCE_2}
         guard = dict(zip(("guard_high", "guard_middle", "guard_low"), GUARD, strict=True))
@@ -230,6 +242,7 @@ class TableLayout:
         old: dict[str, Any] = {"w_max": W_MAX, "n_albedo": 1, "n_reflectance": 0, "guarded": 0}
         if "guarded" in data:
             old = {}
+        old |= {name: 1.0 for name in _HEADROOM if name not in data}
         try:
             layout = cls(**{name: old[name] if name in old else data[name] for name in names})
         except (KeyError, TypeError) as error:
@@ -239,6 +252,9 @@ class TableLayout:
             raise TableError("The table's sidecar contradicts itself about the size of its atlas; bake the scan again.")
         return layout
 
+
+#: What only tables with headroom say.
+_HEADROOM = ("scale_headroom", "depth_headroom")
 
 #: What format 1 does not know, and what a sidecar must not contradict.
 _SINCE_2 = ("w_max", "n_albedo", "n_reflectance", "guarded")

@@ -151,6 +151,11 @@ class SpectralTable:
         return self._bilinear(column, np.full_like(column, layout.reflectance_y))
 
     @property
+    def headroom(self) -> tuple[float, float]:
+        """Largest Scale and Depth of a painted surface for which the table holds every direction."""
+        return self.layout.headroom
+
+    @property
     def albedo_max(self) -> float:
         """Largest entry of what the energy-conserving form divides by."""
         return float(self.info["albedo_max"])

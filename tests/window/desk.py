@@ -6,8 +6,8 @@ import math
 import re
 import time
 
-#: How Blender logs what an operator reports.
-_REPORT = re.compile(r"^[0-9:.]+ +operator +\| ")
+#: How Blender logs what an operator reports, and which files it reads.
+_REPORT = re.compile(r"^[0-9:.]+ +(operator +\| |blend +\| Read blend)")
 
 STATE = "bpy.context.scene.diffraction"
 
@@ -54,8 +54,9 @@ class Desk:
 
     def settle(self):
         """Until what was asked for has been drawn."""
-        time.sleep(0.8)
-        self.run("0")
+        time.sleep(0.3)
+        for _ in range(3):
+            self.driver.turn()
 
     def over_view(self):
         """The mouse over the 3-D view, where its keys go."""
@@ -84,7 +85,7 @@ class Desk:
         x, y, width, height = self.look(f"rectangle('FILE_BROWSER', 'WINDOW', {windows})")
         self.driver.point(x + width // 2, y + height // 2, windows)
         if path is None:
-            self.driver.key("ESC", windows)
+            self.driver.key("ESC", number=windows)
         else:
             for name, value in options.items():
                 self.run(f"{active}.{name} = {value!r}")
@@ -118,12 +119,16 @@ class Desk:
         self._places = self.driver.sweep()
         return [text for text, _, _ in self._places]
 
-    def find(self, what):
-        """Where a button is: a part of its command or data path, which must not go on after it."""
-        pattern = re.escape(what) + r"(?![a-zA-Z_])"
+    def find(self, what, share=0.6):
+        """Where a button is: a part of its command or data path, which must not go on after it, or a
+        pattern.
+
+        `share` of the sidebar's width is where it is looked for: small buttons stand on the right.
+        """
+        pattern = what.pattern if isinstance(what, re.Pattern) else re.escape(what) + r"(?![a-zA-Z_])"
         near = next((place for text, *place in self._places if re.search(pattern, text)), None)
         for tries in range(7):
-            found = self.driver.sweep(begin=near[1] if near else None, until=pattern)
+            found = self.driver.sweep(begin=near[1] if near else None, until=pattern, share=share)
             self._remember(found)
             if found and re.search(pattern, found[-1][0]):
                 place = tuple(found[-1][1:])
@@ -145,13 +150,12 @@ class Desk:
         x, y = left + width // 3, bottom + height // 2
         self.driver.point(x, y)
         kind = "WHEELUPMOUSE" if clicks > 0 else "WHEELDOWNMOUSE"
-        for _ in range(abs(clicks)):
-            self.run(f"send({kind!r}, 'PRESS', {x}, {y})")
-        time.sleep(0.3)
+        self.run(f"for _ in range({abs(clicks)}): send({kind!r}, 'PRESS', {x}, {y})")
+        self.driver.turn()
 
-    def press(self, what, wait=True):
+    def press(self, what, wait=True, share=0.6):
         """A click on a button of the sidebar; waits until what it started has ended."""
-        self.driver.click(*self.find(what))
+        self.driver.click(*self.find(what, share))
         time.sleep(0.2)
         if wait:
             self.wait()
@@ -183,10 +187,7 @@ class Desk:
         items = self.look(f"[i.identifier for i in {owner}.bl_rna.properties['{name}'].enum_items]")
         self.driver.click(*self.find(f".{name}"))
         time.sleep(0.3)
-        self.driver.key("HOME")
-        for _ in range(items.index(identifier)):
-            self.driver.key("DOWN_ARROW")
-        self.driver.key("RET")
+        self.driver.key("HOME", *["DOWN_ARROW"] * items.index(identifier), "RET")
         time.sleep(0.3)
         assert self.look(f"{owner}.{name}") == identifier
 
@@ -245,14 +246,21 @@ for each in list(bpy.context.window_manager.windows)[1:]:
                 self.settle()
         raise AssertionError(f"The panel {name} did not open")
 
-    def picture(self, name, number=0):
-        """What the 3-D view shows, as rows of RGB from the top; kept for people too."""
+    def keep_picture(self, name, picture):
+        """Rows of RGB from the top, for people."""
+        import numpy as np
+        from PIL import Image
+
+        Image.fromarray((255.0 * picture + 0.5).astype(np.uint8)).save(self._pictures / f"{name}.png")
+
+    def picture(self, name, region="WINDOW", number=0):
+        """What the 3-D view or another of its regions shows, as rows of RGB from the top; kept for people too."""
         import numpy as np
         from PIL import Image
 
         self.settle()
         self.shot(name)
-        x, y, width, height = self.look(f"rectangle('VIEW_3D', 'WINDOW', {number})")
+        x, y, width, height = self.look(f"rectangle('VIEW_3D', {region!r}, {number})")
         screen = np.asarray(Image.open(self._pictures / f"{name}.png").convert("RGB"), float) / 255.0
         top = self.driver.top(screen.shape[0]) - (y + height)
         return screen[top : top + height, x : x + width]

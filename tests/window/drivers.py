@@ -92,8 +92,7 @@ class Simulated:
 
     def turn(self):
         """Until Blender's loop has gone round: what was sent has been handled and drawn."""
-        for _ in range(2):
-            self.run("0")
+        self.run("0")
 
     def point(self, x, y, number=0):
         """Move the mouse; pixels of the window, y upwards."""
@@ -104,16 +103,17 @@ class Simulated:
     def click(self, x, y, number=0):
         """A click of the left button."""
         self.point(x, y, number)
-        for value in ("PRESS", "RELEASE"):
-            self.run(f"send('LEFTMOUSE', '{value}', {x}, {y}, {number})")
-            self.turn()
+        self.run("\n".join(f"send('LEFTMOUSE', '{value}', {x}, {y}, {number})" for value in ("PRESS", "RELEASE")))
+        self.turn()
 
     def drag(self, begin, end, number=0, steps=8):
         """Press the left button at one place and let it go at another."""
         self.point(*begin, number)
         self.run(f"send('LEFTMOUSE', 'PRESS', {begin[0]}, {begin[1]}, {number})")
-        for step in range(1, steps + 1):
-            self.point(*(int(a + (b - a) * step / steps) for a, b in zip(begin, end, strict=True)), number)
+        self.turn()
+        # A drag begins with short moves from where the button went down.
+        for share in (0.01, 0.02, 0.03, *(step / steps for step in range(1, steps + 1))):
+            self.point(*(round(a + (b - a) * share) for a, b in zip(begin, end, strict=True)), number)
         self.run(f"send('LEFTMOUSE', 'RELEASE', {end[0]}, {end[1]}, {number})")
         self.turn()
 
@@ -121,11 +121,11 @@ class Simulated:
         """The row of a screenshot, from its top, where the window's y is 0."""
         return int(self.run("print(window().height)"))
 
-    def key(self, name, number=0, **modifiers):
-        """A key by Blender's name, over the place where the mouse is."""
-        for value in ("PRESS", "RELEASE"):
-            self.run(f"send('{name}', '{value}', {self._at[0]}, {self._at[1]}, {number}, **{modifiers})")
-            self.turn()
+    def key(self, *names, number=0, **modifiers):
+        """Keys by Blender's names, over the place where the mouse is."""
+        place = f"{self._at[0]}, {self._at[1]}, {number}, **{modifiers}"
+        self.run("\n".join(f"send('{name}', '{v}', {place})" for name in names for v in ("PRESS", "RELEASE")))
+        self.turn()
 
     def type(self, text):
         """Characters into a field that is being edited."""
@@ -140,9 +140,9 @@ class Simulated:
         self.run("\n".join(lines))
         self.turn()
 
-    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until="", share=0.6):
         """What lies in a region: commands and data paths with their places, till one matches a pattern."""
-        self.run(f"sweep({kind!r}, {name!r}, {number}, {begin}, {until!r})")
+        self.run(f"sweep({kind!r}, {name!r}, {number}, {begin}, {until!r}, {share})")
         deadline = time.monotonic() + 60.0
         while not (found := self.run("swept()")):
             assert time.monotonic() < deadline
@@ -232,16 +232,18 @@ class Rig:
     def top(self, height):
         return height - self._bottom()
 
-    def key(self, name, number=0, **modifiers):
-        word = _XDOTOOL.get(name, name.lower())
-        self._x("key", "+".join([*(m for m, on in modifiers.items() if on), word]))
+    def key(self, *names, number=0, **modifiers):
+        words = [_XDOTOOL.get(name, name.lower()) for name in names]
+        self._x("key", *("+".join([*(m for m, on in modifiers.items() if on), word]) for word in words))
 
     def type(self, text):
         self._x("type", text)
 
-    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+    def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until="", share=0.6):
         found = []
-        for x, y in json.loads(self.run(f"print(json.dumps(places({kind!r}, {name!r}, {number}, {begin})))")):
+        for x, y in json.loads(
+            self.run(f"print(json.dumps(places({kind!r}, {name!r}, {number}, {begin}, share={share})))")
+        ):
             self.point(x, y)
             text = self.run(f"print(under({kind!r}, {name!r}, {number}))")
             if text:

@@ -76,7 +76,7 @@ def show_tab(name="Diffraction", number=0):
 _sweep = {"todo": [], "at": None, "found": [], "where": (), "until": "", "waits": 0}
 
 
-def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.6):
+def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=18, share=0.6):
     """Where to point in a region: from top to bottom, or from a height outwards."""
     left, bottom, width, height = rectangle(kind, name, number)
     rows = list(range(bottom + height - 12, bottom + 4, -step))
@@ -85,11 +85,10 @@ def places(kind="VIEW_3D", name="UI", number=0, begin=None, step=13, share=0.6):
     return [(left + int(width * share), y) for y in rows]
 
 
-def sweep(kind="VIEW_3D", name="UI", number=0, begin=None, until=""):
+def sweep(kind="VIEW_3D", name="UI", number=0, begin=None, until="", share=0.6):
     """Point at a region, till something is found whose text matches a pattern; `swept` tells what was."""
-    _sweep.update(
-        todo=places(kind, name, number, begin), at=None, found=[], where=(kind, name, number), until=until, waits=0
-    )  # fmt: skip
+    todo = places(kind, name, number, begin, share=share)
+    _sweep.update(todo=todo, at=None, found=[], where=(kind, name, number), until=until, waits=0)
     bpy.app.timers.register(_sweep_on, first_interval=0.01)
 
 
@@ -151,3 +150,42 @@ def addon(name):
 def busy():
     """Whether the extension computes something."""
     return addon("jobs.progress").running() is not None
+
+
+def _sidebar():
+    """Our panels of the sidebar, parents first."""
+    classes = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("DIFFRACTION_PT_")]
+    classes = [each for each in classes if each.bl_space_type == "VIEW_3D"]
+
+    def depth(each):
+        parent = getattr(each, "bl_parent_id", "")
+        return 0 if not parent else 1 + depth(getattr(bpy.types, parent))
+
+    return sorted(classes, key=depth)
+
+
+_hidden, _copies = [], []
+
+
+def show_only(names):
+    """Leave only some panels, by the ends of their names, and open; `show_all` brings the others back."""
+    _hidden[:] = _sidebar()
+    for each in reversed(_hidden):
+        bpy.utils.unregister_class(each)
+    for each in _hidden:
+        if each.__name__.removeprefix("DIFFRACTION_PT_") in names:
+            # Under another name, since Blender remembers by name which panels were closed.
+            changes = {"bl_options": set()}
+            if hasattr(each, "bl_parent_id"):
+                changes["bl_parent_id"] = each.bl_parent_id + "_guide"
+            _copies.append(type(each.__name__ + "_guide", (each,), changes))
+            bpy.utils.register_class(_copies[-1])
+
+
+def show_all():
+    """All panels as they were."""
+    for each in reversed(_copies):
+        bpy.utils.unregister_class(each)
+    for each in _hidden:
+        bpy.utils.register_class(each)
+    _copies.clear()

@@ -78,6 +78,7 @@ def test_command_line_of_blender(enabled, scan, work):
     blender = os.environ.get("BLENDER")
     if not blender:
         pytest.skip("a rig's Blender is started by its own script")
+    enabled.run("with anywhere(): bpy.ops.wm.save_userpref()")  # as Blender does when it quits
     environment = {**os.environ, "BLENDER_USER_RESOURCES": str(work / "user")}
     words = [blender, "--command", "diffraction", "info", str(scan)]
     done = subprocess.run(words, capture_output=True, text=True, env=environment, timeout=300, check=False)

@@ -18,14 +18,13 @@ with within('VIEW_3D', 'WINDOW'):
     bpy.data.objects['Camera'].select_set(False)
     bpy.data.objects['Light'].select_set(False)
     bpy.ops.object.delete()
-    bpy.ops.mesh.primitive_uv_sphere_add(radius=1.6, segments=64, ring_count=32)
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=2.4, segments=64, ring_count=32)
     bpy.ops.object.shade_smooth()
     bpy.ops.diffraction.make_preset(preset='sinusoid', size_um=16, pixels=160, look=True)
     bpy.ops.diffraction.bake(detail=0.3)
     bpy.ops.diffraction.apply_material(implementation='NODES', dark_ground=True)
 bpy.data.objects['Light'].data.type = 'SUN'
-bpy.data.objects['Light'].data.energy = 4.0
-bpy.context.scene.diffraction_viewport.brightness = 6.0
+bpy.data.objects['Light'].data.energy = 3.0
 {VIEW}.overlay.show_overlays = False
 {VIEW}.show_gizmo = False
 """)
@@ -50,8 +49,12 @@ def coloured(picture):
 @pytest.mark.parametrize("shading", ["SOLID", "MATERIAL"])
 def test_colours_in_shading(surface, shading):
     surface.run(f"{VIEW}.shading.type = {shading!r}")
-    changed = drawn(surface, f"30_{shading.lower()}")
-    assert np.mean(changed > 0.1) > 0.01, NO_LAMPS
+    for _ in range(40):  # EEVEE's shader and the studio's picture are made beside the window
+        changed = drawn(surface, f"30_{shading.lower()}")
+        if np.mean(changed > 0.1) > 0.003:
+            break
+        surface.watch(5.0)
+    assert np.mean(changed > 0.1) > 0.003, NO_LAMPS if shading == "MATERIAL" else shading
     assert np.mean(changed > 0.1) < 0.5
     surface.run(f"{VIEW}.shading.type = 'SOLID'")
     assert surface.console() == []
@@ -61,10 +64,11 @@ def test_rendered_view_of_eevee_has_colours(surface):
     surface.run(f"{VIEW}.shading.type = 'RENDERED'")
     for _ in range(60):  # its shader is compiled beside the window
         picture = surface.picture("31_rendered")
-        if coloured(picture) > 0.003:
+        if coloured(picture) > 0.001:
             break
+        surface.watch(5.0)
     surface.run(f"{VIEW}.shading.type = 'SOLID'")
-    assert coloured(picture) > 0.003
+    assert coloured(picture) > 0.001
     assert surface.console() == []
 
 
@@ -77,6 +81,7 @@ def test_clipping_region_by_alt_b(surface):
     surface.drag((x + 20, y + 20), (middle, y + height - 20))
     clipped = drawn(surface, "33_clipped") > 0.05
     assert surface.look(f"{VIEW}.region_3d.use_clip_planes")
+    surface.over_view()
     surface.driver.key("B", alt=True)
     surface.settle()
     assert whole[:, width // 2 + 8 :].any()
@@ -146,7 +151,7 @@ def test_work_on_the_mesh_is_not_covered(surface, mode):
 
 def test_button_renders_the_viewports_picture_twice(surface):
     colours = []
-    for brightness in (6.0, 1.0):
+    for brightness in (1.0, 0.2):
         surface.run(f"bpy.context.scene.diffraction_viewport.brightness = {brightness}")
         before = surface.look("len(bpy.context.window_manager.windows)")
         surface.press("diffraction.viewport_render")
@@ -157,7 +162,7 @@ def test_button_renders_the_viewports_picture_twice(surface):
         surface.close_windows()
     assert coloured(colours[0]) > 0.01
     assert colours[1].mean() < colours[0].mean()
-    surface.run("bpy.context.scene.diffraction_viewport.brightness = 6.0")
+    surface.run("bpy.context.scene.diffraction_viewport.brightness = 1.0")
     assert surface.console() == []
 
 

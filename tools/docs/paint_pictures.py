@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""docs/pictures/paint.png: each recipe of grating paint under a small lamp, by numpy. `paint_pictures.py [OUT]`."""
+"""docs/pictures/paint.png: each recipe of grating paint under a small lamp, by numpy. `paint_pictures.py [OUT]`.
+
+Small ones of each go to addon/paint_pictures/ for the panel; they ship with the extension.
+"""
 
 import sys
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
@@ -87,6 +91,11 @@ def main(target):
             lamp = 60.0 * np.array([0.0, np.sin(np.radians(34.0)), np.cos(np.radians(34.0))])
         xyz = painted_brdf(table, towards(lamp, points), towards(eye, points), *paint.maps)
         shots.append(map_to_srgb(xyz, 1.5 / np.quantile(xyz[..., 1], 0.985)))
+    small = ROOT / "addon" / "paint_pictures"
+    small.mkdir(exist_ok=True)
+    for name, shot in zip(RECIPES, shots, strict=True):
+        picture = Image.fromarray((np.clip(shot[::-1], 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8))
+        picture.resize((96, 96), Image.Resampling.LANCZOS).quantize(128).save(small / f"{name}.png", optimize=True)
     columns = 3
     rows = -(-len(shots) // columns)
     sheet = np.full((rows * (SIDE + GAP) - GAP, columns * (SIDE + GAP) - GAP, 3), 0.12)

@@ -24,7 +24,8 @@ PANELS = {
     "Levelling": ("level", "align_rows", "clip_percent", "smooth_nm", "tile", "use_crop", "crop_um"),
     "Bake": ("ensemble", "sigma_s_um", "detail"),
     "Bake > Material of the Surface": ("substrate", "films", "lacquer"),
-    "Bake > Advanced": ("table_name", "illuminant", "illuminant_file", "series", "tolerance", "energy", "limit_mb"),
+    "Bake > Advanced": ("table_name", "illuminant", "illuminant_file", "series", "tolerance", "energy", "limit_mb",
+                        "scale_headroom", "depth_headroom"),
     "Material": (
         "implementation", "fresnel", "ior", "orientation", "uv_map", "attribute", "angle_image", "rotation",
         "conserve_energy", "environment",
@@ -59,7 +60,7 @@ def register():
 
 def page(bpy):
     """The whole page as text; the add-on is registered."""
-    from diffraction_shader.addon import operators
+    from diffraction_shader.addon import operators, paint_properties
     from diffraction_shader.addon.viewport import operator as viewport_operator
     from diffraction_shader.precompute.presets import PRESETS, look_of
 
@@ -89,12 +90,16 @@ def page(bpy):
         rna = getattr(getattr(bpy.ops, namespace), name).get_rna_type()
         rows = [p for p in rna.properties if p.identifier not in _FOREIGN and p.type not in {"POINTER", "COLLECTION"}]
         rows = [p for p in rows if not p.is_hidden]
+        if cls.__name__ == "DIFFRACTION_OT_paint":
+            rows = [p for p in rows if p.identifier in paint_properties.COMMON]
         if cls.__name__ == "DIFFRACTION_OT_make_preset":
             rows = [p for p in rows if p.identifier in ("preset", "size_um", "pixels")]
         text = f"### `{cls.bl_idname}`: {cls.bl_label}\n\n{rna.description}.\n\n"
         parts.append(text + (table(rows) if rows else "No parameters.\n"))
         if cls.__name__ == "DIFFRACTION_OT_make_preset":
             parts.append("And the parameters of the structure, listed above.\n")
+        if cls.__name__ == "DIFFRACTION_OT_paint":
+            parts.append("And the settings of the recipe, as `python -m precompute paint --help` lists them.\n")
     return "\n".join(parts)
 
 

@@ -203,10 +203,8 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
         runs.inputs, (script.outputs["Runs"], given.outputs["Base"], script.outputs["BSDF"]), strict=True
     ):
         tree.links.new(value, socket)
-    choice: Any = nodes_twin.by_engine(graph, runs.outputs[0], given.outputs["Base"]).node
-    engine = choice.inputs[0].links[0].from_node
-    white = engine.inputs[0].links[0].from_node
-    tree.links.new(choice.outputs[0], out.inputs[interface.OUTPUT])
+    choice: list[Any] = [runs, *nodes_twin.by_engine(graph, runs.outputs[0], given.outputs["Base"])]
+    tree.links.new(choice[-1].outputs[0], out.inputs[interface.OUTPUT])
 
     given.location, script.location, out.location = (-300.0, 0.0), (300.0, 0.0), (900.0, 0.0)
     given.hide = script.hide = out.hide = False
@@ -214,13 +212,13 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
     _column(surface, (-20.0, 200.0))
     _column([row.node for row in (*rows, number)], (-20.0, -560.0))
     _column(lights, (-20.0, -820.0))
-    _column([runs, white, engine, choice], (640.0, 200.0))
+    _column(choice, (640.0, 200.0))
     _frame(tree, "UV map", surface)
     _frame(tree, "Colours: XYZ to the working space" if own is not None else "Colours and number of lamps",
            [row.node for row in rows] + ([] if own is not None else [number.node]))  # fmt: skip
     _frame(tree, "Lamps of the scene", lights)
     _frame(tree, "Table", [script])
-    _frame(tree, "Pigment in EEVEE and without OSL", [runs, white, engine, choice])
+    _frame(tree, "Pigment in EEVEE and without OSL", choice)
 
 
 def _uv_frame(tree: bpy.types.NodeTree, script: bpy.types.Node) -> list[bpy.types.Node]:

@@ -4,7 +4,7 @@
 Blender knows a socket by an identifier that it counts up as sockets are made, and keys of an animation by the number
 of the socket. All groups are therefore made from the one list below, in its order, whatever they hold: a node keeps its
 values, links, keys and drivers as it goes from one group to another. New sockets go to the end of `SOCKETS`; where they
-are shown is up to their panel. Names that are kept for sockets to come: Scale, Depth.
+are shown is up to their panel.
 """
 
 from __future__ import annotations
@@ -83,6 +83,10 @@ SOCKETS = (
            _value(0.05, 0.0, 1.0, subtype="FACTOR")),
     Socket("Mask", _FLOAT, "Where the structure is: 0 shows the pigment alone, 1 diffracts; Apply takes the pigment's"
            " alpha", properties=_value(1.0, 0.0, 1.0, subtype="FACTOR")),
+    Socket("Scale", _FLOAT, "Period of the structure over that of the table, its coherence window with it; above 1 the"
+           " table ends before the horizon unless it was baked with headroom", properties=_value(1.0, 0.01, 8.0)),
+    Socket("Depth", _FLOAT, "Depth of the structure over that of the table; above 1 the table ends unless it was baked"
+           " with headroom", properties=_value(1.0, 0.01, 8.0)),
 )  # fmt: skip
 
 PANELS = {

@@ -43,8 +43,9 @@ def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
 def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Value, ...]:
     graph, cos_r = surface.graph, surface["CosR"]
     xi_1, xi_2, xi_3 = graph.split(random)
-    wr = [graph.scalar("DOT_PRODUCT", surface[axis], surface["Viewer"]) for axis in "TB"]
-    row, slope = _view(graph, wr, cos_r)
+    own = [graph.scalar("DOT_PRODUCT", surface[axis], surface["Viewer"]) for axis in "TB"]
+    stretch, wr, cos_d = _stretched_viewer(surface, own)
+    row, slope = _view(graph, wr, cos_d)
 
     def texel(column: Socket) -> tuple[Socket, Socket, Socket]:
         node = graph.add("ShaderNodeTexImage", image=image, interpolation="Closest", extension="EXTEND")
@@ -68,7 +69,7 @@ def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Val
     area = graph.quotient(graph.product(de, dt, c), graph.product(bend, bend))
 
     b = graph.fused(wr[0], cos_phi, graph.product(wr[1], sin_phi))  # the negative of the one in importance.osl
-    cos2 = graph.product(cos_r, cos_r)
+    cos2 = graph.product(cos_d, cos_d)
     root = graph.math("SQRT", graph.fused(b, b, cos2))
     reach, far = graph.sum(root, b), graph.difference(root, b)
     a = graph.math("MINIMUM", slope, reach)
@@ -84,11 +85,44 @@ def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Val
     weight = graph.quotient(graph.product(area, per_area, constant), rest)
     cos_i = graph.product(t, rest)
 
+    cos_i, r, weight = _stretched(surface, stretch, own, (cos_phi, sin_phi), cos_i, r, weight)
     x, y = graph.product(r, cos_phi), graph.product(r, sin_phi)
     if not surface.parts.conserve:
-        flat = _flat(graph, cos_r, xi_1, xi_2, wr)
+        flat = _flat(graph, cos_r, xi_1, xi_2, own)
         return _either(surface, flat, (x, y, cos_i), weight, xi_3)
     return _drawn(surface, x, y, cos_i, graph.product(r, r), turn, weight)
+
+
+def _stretched_viewer(surface: Surface, wr: list[Socket]) -> tuple[Socket, list[Socket], Socket]:
+    """s as far as it is below 1, and the viewer for whom directions on a surface stretched by it are drawn.
+
+    As in ``shaders/importance.osl``: its ``wr_xy`` is s times as long.
+    """
+    graph, cos_r = surface.graph, surface["CosR"]
+    stretch = graph.math("MINIMUM", surface["Scale"], 1.0)
+    sine2 = graph.product(graph.difference(1.0, graph.product(cos_r, cos_r)), graph.product(stretch, stretch))
+    cos_d = graph.math("SQRT", graph.math("MAXIMUM", graph.difference(1.0, sine2), 0.0))
+    cos_d = graph.choose(_is_stretched(graph, stretch), cos_r, cos_d)
+    return stretch, [graph.product(each, stretch) for each in wr], cos_d
+
+
+def _is_stretched(graph: Graph, stretch: Socket) -> Socket:
+    return graph.math("LESS_THAN", stretch, 1.0)
+
+
+def _stretched(
+    surface: Surface, stretch: Socket, wr: list[Socket], turn: tuple[Socket, Socket], cos_i: Socket, r: Socket,
+    weight: Socket,
+) -> tuple[Socket, Socket, Socket]:  # fmt: skip
+    """cos_i, r and weight of the direction on the stretched surface; the weight is 0 beyond the horizon."""
+    graph, flag = surface.graph, _is_stretched(surface.graph, stretch)
+    r = graph.quotient(r, stretch)
+    x, y = (graph.difference(graph.product(r, t), each) for t, each in zip(turn, wr, strict=True))
+    rest = graph.difference(1.0, graph.fused(x, x, graph.product(y, y)))
+    z = graph.math("SQRT", graph.math("MAXIMUM", rest, 1e-12))
+    share = graph.quotient(cos_i, graph.product(graph.product(stretch, stretch), z))
+    share = graph.product(share, graph.math("GREATER_THAN", rest, 0.0))
+    return graph.choose(flag, cos_i, z), r, graph.product(weight, graph.choose(flag, 1.0, share))
 
 
 def _view(graph: Graph, wr: list[Socket], cos_r: Socket) -> tuple[Socket, Socket]:

@@ -12,13 +12,14 @@ import math
 
 import bpy
 
+from ....precompute.table import importance, scaled_albedo
 from ....precompute.table.layout import GUARD, GUARD_TOLERANCE, TableLayout
 from ..node_graph import Graph, Socket, interface, new_group
 
 _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 
 
-def texels(image: bpy.types.Image, layout: TableLayout, engine: str = "") -> bpy.types.NodeTree:
+def texels(image: bpy.types.Image, size: tuple[int, int], engine: str = "") -> bpy.types.NodeTree:
     """Group (place as fractions of the atlas, 1 in EEVEE) -> texel, bilinear.
 
     Cycles takes a linear Image Texture. EEVEE would take smaller copies of the atlas where the picture is coarse, and
@@ -26,8 +27,8 @@ def texels(image: bpy.types.Image, layout: TableLayout, engine: str = "") -> bpy
 
     Parameters
     ----------
-    image, layout
-        Of the table.
+    image, size
+        Of the table; width and height.
     engine
         ``Cycles`` or ``EEVEE`` where only one of them looks; else the group has both branches, and Cycles drops the
         other one, whose factor it knows to be 0.
@@ -39,9 +40,9 @@ def texels(image: bpy.types.Image, layout: TableLayout, engine: str = "") -> bpy
     if engine == "Cycles":
         value = _fetch(graph, image, "Linear", given["Place"])
     elif engine == "EEVEE":
-        value = _blended(graph, image, layout, given["Place"])
+        value = _blended(graph, image, size, given["Place"])
     else:
-        blended = _blended(graph, image, layout, given["Place"])
+        blended = _blended(graph, image, size, given["Place"])
         value = graph.mix(given["EEVEE"], _fetch(graph, image, "Linear", given["Place"]), blended)
     graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
     return tree
@@ -54,8 +55,8 @@ def _fetch(graph: Graph, image: bpy.types.Image, interpolation: str, place: Sock
     return node.outputs["Color"]
 
 
-def _blended(graph: Graph, image: bpy.types.Image, layout: TableLayout, place: Socket) -> Socket:
-    size = (float(layout.width), float(layout.height), 1.0)
+def _blended(graph: Graph, image: bpy.types.Image, sides: tuple[int, int], place: Socket) -> Socket:
+    size = (float(sides[0]), float(sides[1]), 1.0)
     at = graph.vector("MULTIPLY_ADD", place, size, (-0.5, -0.5, 0.0))
     corner = graph.vector("FLOOR", at)
     part = graph.split(graph.vector("SUBTRACT", at, corner))
@@ -97,11 +98,13 @@ def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.
     width, height = float(layout.width), float(layout.height)
 
     column, offset = _log_arsinh(graph, graph.math("SQRT", square), square, layout.r0, layout.a_r)
+    # A little less than the last column: a rounding error would blend in the next tile's peak.
+    column = graph.math("MINIMUM", column, layout.n_r - 1.02 - offset)
     x = graph.fused(column, 1.0 / width, (0.5 + offset) / width)
     # phi = angle + pi in (0, 2 pi]; the row after the last one repeats the first.
     y = graph.fused(turn, layout.n_phi / (2.0 * math.pi * height), (1.5 + 0.5 * layout.n_phi) / height)
     position, offset = _log_arsinh(graph, w, graph.product(w, w), layout.w0, layout.a_w)
-    position = graph.math("MAXIMUM", graph.sum(position, offset - layout.a_w * layout.s_w), 0.0)
+    position = graph.clamp(graph.sum(position, offset - layout.a_w * layout.s_w), 0.0, layout.n_w - 1.0)
     lower = graph.math("MINIMUM", graph.math("FLOOR", position), layout.n_w - 2.0)
     columns, step = float(layout.tile_columns), layout.tile_height / height
     if layout.width == layout.tile_columns * layout.n_r:  # tiles fill the atlas: its repetition wraps the columns
@@ -127,24 +130,55 @@ def gain(graph: Graph, layout: TableLayout, w: Socket) -> Socket | None:
     return None if layout.power == 1.0 else graph.math("POWER", w, layout.power - 1.0)
 
 
-def albedo(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
-    """Group (cos theta, components against t and b, 1 in EEVEE) -> directional albedo of the raw model with R = 1."""
+def albedo(name: str, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
+    """Group that gives the directional albedo of the raw model with R = 1, of the surface as it is scaled.
+
+    Inputs: cosine of the angle, components against t and b; left tile and part of the next one, shares of three depths
+    (`scaled_place`); 1 in EEVEE. The tiles lie in the image of directions; the first is that of the surface as baked.
+    """
     tree = new_group(f"Diffraction albedo {name}")
-    sockets = {each: (_FLOAT, None) for each in ("Cosine", "AgainstT", "AgainstB")} | {"EEVEE": (_FLOAT, 0.0)}
-    interface(tree, sockets, {"Albedo": _FLOAT})
+    sockets: dict[str, tuple[str, object]] = {each: (_FLOAT, None) for each in ("Cosine", "AgainstT", "AgainstB")}
+    sockets |= {"Tile": (_FLOAT, 0.0), "TilePart": (_FLOAT, 0.0), "Shares": (_VECTOR, (1.0, 0.0, 0.0))}
+    interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Albedo": _FLOAT})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
-    width, height = float(layout.width), float(layout.height)
+    width, height, n_theta = float(importance.WIDTH), float(importance.HEIGHT), scaled_albedo.N_THETA
+    n_phi = scaled_albedo.N_PHI
     theta = graph.math("ARCCOSINE", given["Cosine"])
-    column = graph.fused(theta, (layout.n_theta - 1) / (0.5 * math.pi * width), 0.5 / width)
+    column = graph.fused(theta, (n_theta - 1) / (0.5 * math.pi * width), 0.5 / width)
+    column = graph.sum(column, graph.product(given["Tile"], n_theta / width))
     row = graph.fused(
         graph.math("ARCTAN2", given["AgainstB"], given["AgainstT"]),
-        layout.n_albedo_phi / (2.0 * math.pi * height),
-        (layout.conserving_y + 1.5 + 0.5 * layout.n_albedo_phi) / height,
+        n_phi / (2.0 * math.pi * height),
+        (importance.VIEWS + 1.5 + 0.5 * n_phi) / height,
     )
-    value = graph.group(found, Place=graph.join(column, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"]
-    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.scalar("DOT_PRODUCT", value, (1.0, 0.0, 0.0)))
+    low, high = (
+        graph.scalar(
+            "DOT_PRODUCT",
+            graph.group(found, Place=graph.join(place, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"],
+            given["Shares"],
+        )
+        for place in (column, graph.sum(column, n_theta / width))
+    )
+    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.choose(given["TilePart"], low, high))
     return tree
+
+
+def scaled_place(graph: Graph, layout: TableLayout, scale: Socket, depth: Socket) -> tuple[Socket, Socket, Socket]:
+    """Left tile, part of the next one, shares of three depths, see `precompute.table.scaled_albedo.place`."""
+    most_s, most_q = layout.headroom
+    at = graph.math("LOGARITHM", graph.product(scale, 1.0 / most_s), 2.0 ** (-1.0 / scaled_albedo.STEPS))
+    at = graph.clamp(at, 0.0, scaled_albedo.N_SCALES - 1.0)
+    lower = graph.math("MINIMUM", graph.math("FLOOR", at), scaled_albedo.N_SCALES - 2.0)
+    a, b, c = scaled_albedo.DEPTHS
+    q = graph.clamp(graph.product(depth, 1.0 / most_q), c, a)
+    to = {each: graph.difference(q, each) for each in (a, b, c)}
+    shares = graph.join(
+        graph.product(to[b], to[c], 1.0 / ((a - b) * (a - c))),
+        graph.product(to[a], to[c], 1.0 / ((b - a) * (b - c))),
+        graph.product(to[a], to[b], 1.0 / ((c - a) * (c - b))),
+    )
+    return lower, graph.difference(at, lower), shares
 
 
 def reflectance(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:

@@ -12,9 +12,11 @@ from typing import Any
 
 import bpy
 
+from ....precompute.constants import LEAST_SCALE
 from ....precompute.table.layout import TableLayout
 from .. import frame
 from ..node_graph import Graph, Socket, Value, interface, new_group
+from . import lookup
 from . import value as values
 
 _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
@@ -31,6 +33,14 @@ SHARED = {
     "AlbedoR": _FLOAT,
     "WrX": _FLOAT,
     "WrY": _FLOAT,
+    "Scale": _FLOAT,
+    "Scale2": _FLOAT,
+    "Depth": _FLOAT,
+    "Tile": _FLOAT,
+    "TilePart": _FLOAT,
+    "Shares": _VECTOR,
+    "IsScaled": _FLOAT,
+    "AlbedoFree": _FLOAT,
     "Limit": _FLOAT,
     "Cone": _FLOAT,
     "Red": _VECTOR,
@@ -78,7 +88,7 @@ class Parts:
     kept: bpy.types.NodeTree | None = None
 
 
-def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> dict[str, Socket]:
+def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], knows: Socket) -> dict[str, Socket]:
     """The sockets of `SHARED`.
 
     Parameters
@@ -91,37 +101,55 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...]) -> 
         Of the table.
     rows
         Of the matrix from XYZ to the working space.
+    knows
+        1 where the image of directions, which holds the albedos, is the one that was written.
     """
-    white, engine = graph.add("ShaderNodeEmission"), graph.add("ShaderNodeShaderToRGB", label="1 in EEVEE")
-    graph.put(engine.inputs[0], white.outputs[0])
+    eevee = graph.in_eevee()
     geometry = graph.add("ShaderNodeNewGeometry")
     viewer, normal = geometry.outputs["Incoming"], given["Normal"]
     has_normal = graph.math("GREATER_THAN", graph.scalar("LENGTH", normal), 0.0)
     n = graph.vector("NORMALIZE", graph.mix(has_normal, geometry.outputs["Normal"], normal))
-    t, b = _frame(graph, given, n, engine.outputs[0])
+    t, b = _frame(graph, given, n, eevee)
     cos_r = graph.scalar("DOT_PRODUCT", n, viewer)
     # 0 where the viewer is below the surface: the factor that `value` leaves out.
     front = graph.product(graph.math("GREATER_THAN", cos_r, 0.0), graph.difference(1.0, geometry.outputs["Backfacing"]))
+    # A painted surface: T' = s^2 T(s u, s v, q w). What is not linked is constant to Cycles, which drops what 1 leaves.
+    # The larger of two, of which one is no number, is the first or the second: devices differ.
+    scale, depth = (
+        graph.math("MAXIMUM", LEAST_SCALE, graph.math("MAXIMUM", given[name], LEAST_SCALE))
+        for name in ("Scale", "Depth")
+    )
+    is_one = [graph.math("COMPARE", each, 1.0, 0.0) for each in (scale, depth)]
+    is_scaled = graph.difference(1.0, graph.product(*is_one))
+    scale2 = graph.product(scale, scale)
+    tile, tile_part, shares = lookup.scaled_place(graph, parts.layout, scale, depth)
+    shares = graph.scaled(shares, knows)  # no albedo is better than a wrong one
     brightness = graph.product(front, given["Brightness"], 0.25 * parts.layout.scale)
+    brightness = graph.product(brightness, graph.product(scale2, graph.math("POWER", depth, parts.layout.power)))
     root = graph.quotient(graph.difference(given["IOR"], 1.0), graph.sum(given["IOR"], 1.0))
     is_diffuse = graph.add("ShaderNodeLightPath").outputs["Is Diffuse Ray"]
     wr_x, wr_y = (graph.scalar("DOT_PRODUCT", axis, viewer) for axis in (t, b))
     albedo_r: Value = 1.0
     if parts.albedo is not None:
         against = {"AgainstT": graph.product(wr_x, -1.0), "AgainstB": graph.product(wr_y, -1.0)}
-        found = graph.group(parts.albedo, Cosine=cos_r, EEVEE=engine.outputs[0], **against).outputs["Albedo"]
+        found = graph.group(
+            parts.albedo, Cosine=cos_r, EEVEE=eevee, Tile=tile, TilePart=tile_part, Shares=shares, **against
+        ).outputs["Albedo"]  # fmt: skip
         albedo_r = graph.math("MAXIMUM", found, 1.0)
     return {
         "T": t, "B": b, "N": n, "Viewer": viewer, "Position": geometry.outputs["Position"], "CosR": cos_r,
         "Gain": graph.quotient(brightness, graph.product(cos_r, albedo_r)),
         "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
+        "Scale": scale, "Scale2": scale2, "Depth": depth, "Tile": tile, "TilePart": tile_part, "Shares": shares,
+        "IsScaled": is_scaled,
+        # the cosine below which the light's albedo counts
+        "AlbedoFree": graph.choose(is_scaled, parts.albedo_free, 2.0),
         # of f cos: none for other rays than diffuse ones
         "Limit": graph.choose(is_diffuse, 1e20, given["DiffuseLimit"]), "Cone": given["Cone"],
         **dict(zip(("Red", "Green", "Blue"), rows, strict=True)),
         "R0": graph.product(root, root), "IOR": given["IOR"],
         "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
-        # 1 in EEVEE; Cycles does not know Shader to RGB, takes what is linked to it for 0 and drops what follows
-        "EEVEE": engine.outputs[0],
+        "EEVEE": eevee,
     }  # fmt: skip
 
 
@@ -268,7 +296,7 @@ class Surface:
         against = {"AgainstT": graph.difference(self["WrX"], x), "AgainstB": graph.difference(self["WrY"], y)}
         found = self.group(self.parts.albedo, Cosine=cos_i, **against).outputs["Albedo"]
         lost = graph.quotient(self["AlbedoR"], graph.math("MAXIMUM", found, self["AlbedoR"]))
-        return graph.product(gain, lost), graph.math("LESS_THAN", cos_i, self.parts.albedo_free)
+        return graph.product(gain, lost), graph.math("LESS_THAN", cos_i, self["AlbedoFree"])
 
     def behind_face(self, w: Socket, cos_i: Socket, gain: Socket) -> tuple[Socket, Socket]:
         """|w| and the factor of a direction under a clear layer of index n, see ``shaders/brdf.osl``; as given without.

@@ -16,21 +16,25 @@ INDICES = {"NONE": (), "SCHLICK": ("R0",), "DIELECTRIC": ("IOR",), "CONDUCTOR": 
 
 
 def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: str) -> bpy.types.NodeTree:
-    """Group that gives f cos(theta_i) R as RGB, but for the factor ``scale / (4 cos_r)`` that all directions share.
+    """Group that gives f cos(theta_i) R as RGB, but for the factor that all directions share, ``scale / (4 cos_r)``
+    times ``s^2 q^power`` of a painted surface.
 
     With h = wi + wr = -(u, v, w) it is ``(1 + wi.wr)^2 / (cos_r w^2) T R``, ``1 + wi.wr = |h|^2 / 2`` and the cosine of
-    the half-angle is ``|h| / 2``. Inputs: |(u, v)|^2, the angle of (-u, -v), |w|; rows of the matrix to the working
-    space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
+    the half-angle is ``|h| / 2``. Inputs: |(u, v)|^2, the angle of (-u, -v), |w|; s^2 and q; rows of the matrix to the
+    working space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
     """
     tree = new_group(f"Diffraction value {name} {fresnel.lower()}")
-    sockets: dict[str, tuple[str, object]] = {each: (_FLOAT, None) for each in ("Square", "Turn", "W")}
+    sockets: dict[str, tuple[str, object]] = {
+        each: (_FLOAT, None) for each in ("Square", "Turn", "W", "Scale2", "Depth")
+    }
     sockets |= {each: (_VECTOR, None) for each in ("Red", "Green", "Blue")}
     sockets |= {each: (_VECTOR if fresnel == "CONDUCTOR" else _FLOAT, None) for each in INDICES[fresnel]}
     interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
     square, w = given["Square"], given["W"]
-    xyz = graph.group(table, Square=square, Turn=given["Turn"], W=w, EEVEE=given["EEVEE"]).outputs["Value"]
+    places = {"Square": graph.product(square, given["Scale2"]), "W": graph.product(w, given["Depth"])}
+    xyz = graph.group(table, Turn=given["Turn"], EEVEE=given["EEVEE"], **places).outputs["Value"]
     rgb = _into_gamut(graph, xyz, [given[each] for each in ("Red", "Green", "Blue")])
     h2 = graph.fused(w, w, square)
     factor = graph.quotient(graph.product(h2, h2), w)

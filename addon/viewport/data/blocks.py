@@ -123,12 +123,24 @@ class Surface:
         Radians.
     angle_image
         Whether an image adds to the rotation.
+    scale, depth
+        Period and depth over the table's.
+    mask
+        Part of the surface that has the structure; of `masks.Mask` the constant.
+    painted
+        Whether an image says scale, depth, mask and what is added to the rotation.
     environment
         Whether light of a plain world is diffracted.
     brightness
         Factor on the diffracted light.
     pigment
         Albedo of the surface underneath; None adds the diffraction to what is already drawn.
+    lacquer_roughness
+        Of the outer face of a table's lacquer.
+    mask_factor, mask_image, mask_alpha
+        Factor of an image, whether there is one, and whether its alpha counts, see `masks.Mask`.
+    cutout
+        Whether the surface ends where the mask falls below a half.
     kept
         ``(KEPT, 3)`` RGB that the table's stuff keeps from the pigment, for even steps of the angle; None: by Fresnel.
     """
@@ -141,10 +153,19 @@ class Surface:
     conserve_energy: bool = True
     rotation: float = 0.0
     angle_image: bool = False
+    scale: float = 1.0
+    depth: float = 1.0
+    mask: float = 1.0
+    painted: bool = False
     environment: bool = True
     brightness: float = 1.0
     pigment: tuple[float, float, float] | None = None
     kept: np.ndarray | None = None
+    lacquer_roughness: float = 0.05
+    mask_factor: float = 0.0
+    mask_image: bool = False
+    mask_alpha: bool = False
+    cutout: bool = False
     layout: TableLayout = field(kw_only=True)
 
     def rows(self) -> np.ndarray:
@@ -153,17 +174,19 @@ class Surface:
         rows = np.zeros((12 + KEPT, 4), np.float32)
         rows[0] = layout.a_r, 1.0 / layout.r0, layout.n_r - 1, layout.n_phi
         rows[1] = layout.a_w, 1.0 / layout.w0, layout.s_w, layout.n_w - 1
-        rows[2, :2] = layout.scale, layout.power
-        rows[3, :3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 0.5 * (ALBEDO_SIDE - 1) / ALBEDO_SIDE
+        rows[2] = layout.scale, layout.power, *layout.headroom
+        rows[3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 0.5 * (ALBEDO_SIDE - 1) / ALBEDO_SIDE, self.scale
         rows[4:7, :3] = self.to_rgb
-        rows[7] = 0.0, self.ior, 0.0, self.brightness
+        rows[7] = self.depth, self.ior, self.mask_factor, self.brightness
         rows[8, :3], rows[9, :3] = self.conductor_n, self.conductor_k
-        rows[10] = np.cos(self.rotation), np.sin(self.rotation), 0.0, self.rotation
+        rows[10] = np.cos(self.rotation), np.sin(self.rotation), self.mask, self.rotation
+        rows[11, 3] = float(self.mask_alpha)
         if self.pigment is not None:
             rows[11, :3] = self.pigment
         if self.kept is not None:
             rows[12:, :3] = self.kept
         rows[12, 3] = layout.index
+        rows[13, 3] = max(self.lacquer_roughness, 0.1) ** 2  # narrower lobes than that slip between the pixels
         return rows
 
     def flags(self, ambient: bool) -> set[str]:
@@ -175,9 +198,13 @@ class Surface:
             "INSIDE": inside,
             "LACQUER": self.layout.index > 1.0,
             "LINEAR_IN_W": self.layout.power == 1.0,
-            "TURNED": self.angle_image,
+            "TURNED": self.angle_image and not self.painted,
+            "PAINTED": self.painted,
+            "SCALED": self.painted or (self.scale, self.depth) != (1.0, 1.0),
             "AMBIENT": ambient and self.environment,
             "REPLACE": self.pigment is not None,
+            "MASKED": self.mask_image and not self.painted,
+            "CUTOUT": self.cutout and self.pigment is not None,
         }
         return flags | {name for name, wanted in chosen.items() if wanted}
 

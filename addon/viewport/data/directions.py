@@ -11,26 +11,9 @@ import bpy
 import numpy as np
 
 from ....precompute.errors import DiffractionError
-from ....precompute.table import importance
-from ....precompute.table.table import SpectralTable, read_sidecar
 from .blocks import buffer
 from .display import redraw
-from .textures import file_stamp
-
-
-def find(path: Path) -> np.ndarray:
-    """``(HEIGHT, WIDTH, 3)``: the image beside a table, else one made now, in a second or so.
-
-    Raises
-    ------
-    TableError
-        If the table cannot be read.
-    """
-    beside = path.with_name(f"{path.stem}.importance.exr")
-    origin = importance.read_origin(beside)
-    if origin is not None and origin[0] == read_sidecar(path)["atlas"]["sha256"]:
-        return importance.load_image(beside)
-    return importance.importance(SpectralTable.load(path)).image()
+from .textures import file_stamp, find_directions
 
 
 class Directions:
@@ -58,7 +41,7 @@ class Directions:
             if not wait:
                 self._look(path, stamp)
                 return None
-            found = (stamp, find(path))
+            found = (stamp, find_directions(path))
         texture = _upload(found[1]) if found[1] is not None else None
         self._held[path] = (stamp, texture)
         return texture
@@ -80,7 +63,7 @@ class Directions:
 
         def work() -> None:
             try:
-                self._found[path] = (stamp, find(path))
+                self._found[path] = (stamp, find_directions(path))
             except DiffractionError:
                 self._found[path] = (stamp, None)  # the table's own reader says what is wrong
 

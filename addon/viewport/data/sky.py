@@ -16,16 +16,22 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ...lights import hot_spots
 from ...versions import smooth_lookups
+from . import panorama
 from .blocks import buffer
 from .display import redraw
-from .sources import SKY_LEVELS, SKY_SIDE
+from .panorama import Panorama
+from .sources import DIFFUSE_CORNER, DIFFUSE_SIDE, SKY_LEVELS, SKY_SIDE
 
 #: Width of an image after it was reduced by whole factors: steps of a third of a degree.
 _WIDTH = 1024
 
 #: Skies kept.
 _KEPT = 3
+
+#: Radiance all around ``(rows, cols, 3)``, row 0 at the bottom, and the suns that stand out of it, see `Lit`.
+Light = tuple[np.ndarray, np.ndarray]
 
 
 @dataclass(frozen=True)
@@ -38,6 +44,8 @@ class Sky:
         Name (with its library) of an image data-block, or empty.
     path
         Of a picture file where there is no data-block.
+    world
+        Name (with its library) of a world that has to be rendered all around first, or empty.
     stamp
         Changes when the pixels do.
     turn
@@ -51,11 +59,12 @@ class Sky:
     stamp: tuple
     turn: tuple[float, ...]
     strength: tuple[float, float, float]
+    world: str = ""
 
     @property
     def pixels(self) -> tuple:
         """What decides the texture."""
-        return self.image, self.path, self.stamp
+        return self.image, self.path, self.world, self.stamp
 
     def rows(self) -> np.ndarray:
         """``(4, 4)`` of the frame's block."""
@@ -129,9 +138,14 @@ def atlas_size() -> tuple[int, int]:
 
 
 def atlas(squares: list[np.ndarray]) -> np.ndarray:
-    """``(height, width, 4)``: the first level on the left, the others above one another on its right."""
+    """``(height, width, 4)``: the first level on the left, the others above one another on its right.
+
+    Beside the third, which leaves room there, lies what a diffuse surface sees.
+    """
     width, height = atlas_size()
     texels = np.zeros((height, width, 4), np.float32)
+    x, y = DIFFUSE_CORNER
+    texels[y : y + DIFFUSE_SIDE + 2, x : x + DIFFUSE_SIDE + 2, :3] = _bordered(diffuse(squares))
     y = 0
     for level, square in enumerate(squares):
         side = len(square)
@@ -139,6 +153,16 @@ def atlas(squares: list[np.ndarray]) -> np.ndarray:
         texels[y : y + side + 2, x : x + side + 2, :3] = _bordered(square)
         y = 0 if level == 0 else y + side + 2
     return np.minimum(texels, 6e4)  # of half floats
+
+
+def diffuse(squares: list[np.ndarray]) -> np.ndarray:
+    """Square ``(DIFFUSE_SIDE, DIFFUSE_SIDE, 3)``: irradiance over pi of a surface that faces each direction."""
+    coarse = next(square for square in squares if len(square) == DIFFUSE_SIDE)
+    towards = square_directions(DIFFUSE_SIDE).reshape(-1, 3)
+    cosines = np.maximum(towards @ towards.T, 0.0).astype(np.float32)
+    # Of even radiance it is that radiance, whatever the texels' number.
+    light = cosines @ coarse.reshape(-1, 3) / cosines.sum(-1, keepdims=True)
+    return light.reshape(coarse.shape)
 
 
 def _bordered(square: np.ndarray) -> np.ndarray:
@@ -180,16 +204,47 @@ def _linear(image: bpy.types.Image) -> np.ndarray | None:
     return np.nan_to_num(rgb, nan=0.0, posinf=6e4, neginf=0.0)
 
 
+def read_light(sky: Sky) -> Light | None:
+    """`read_pixels`, bright spots apart. Not while Blender draws."""
+    pixels = read_pixels(sky)
+    if pixels is None:
+        return None
+    image = next((each for each in bpy.data.images if sky.image and each.name_full == sky.image), None)
+    spots = hot_spots.of(image) if image is not None else hot_spots.search(pixels.mean(-1))
+    return hot_spots.split(pixels, spots)
+
+
+@dataclass(frozen=True)
+class Lit:
+    """A sky on the GPU.
+
+    Parameters
+    ----------
+    texture
+        Of all levels.
+    suns
+        ``(n, 7)`` what stands out of it, in the image's directions, at a strength of 1.
+    """
+
+    texture: Any
+    suns: np.ndarray
+
+
 class Skies:
     """Textures of the last few skies; made between two drawings."""
 
-    def __init__(self, read: Callable[[Sky], np.ndarray | None] = read_pixels) -> None:
+    def __init__(self, read: Callable[[Sky], Light | None] = read_light) -> None:
         self._read = read
-        self._held: OrderedDict[tuple, Any] = OrderedDict()
+        self._held: OrderedDict[tuple, Lit | None] = OrderedDict()
         self._waiting: set[tuple] = set()
+        self._rendering: tuple[Sky, Panorama] | None = None
+        #: By world: what was shown last, until what is asked for is there.
+        self._last: dict[str, tuple] = {}
+        #: What to tell the user; empty while all is well.
+        self.message = ""
 
-    def texture(self, sky: Sky, wait: bool = False) -> Any:
-        """The texture, or None while it is in the making or where the image holds nothing.
+    def get(self, sky: Sky, wait: bool = False) -> Lit | None:
+        """The sky, or None while it is in the making or where the image holds nothing.
 
         Parameters
         ----------
@@ -203,6 +258,7 @@ class Skies:
             elif key not in self._waiting:
                 self._waiting.add(key)
                 bpy.app.timers.register(lambda: self._make_soon(sky), first_interval=0.0)
+            key = key if key in self._held else self._last.get(sky.world, key)
         if key not in self._held:
             return None
         self._held.move_to_end(key)
@@ -210,23 +266,58 @@ class Skies:
 
     def clear(self) -> None:
         """Let go of all."""
+        if self._rendering is not None:
+            self._rendering[1].stop()
+            self._rendering = None
         self._held.clear()
         self._waiting.clear()
+        self._last.clear()
+        self.message = ""
 
-    def _make_soon(self, sky: Sky) -> None:
-        if sky.pixels in self._waiting:
+    def _make_soon(self, sky: Sky) -> float | None:
+        if sky.pixels not in self._waiting:
+            return None
+        if not sky.world:
             self._waiting.discard(sky.pixels)
             self._make(sky)
             redraw()
+            return None
+        if self._rendering is None:
+            world = _world(sky.world)
+            if world is None or panorama.stamp(world) != sky.stamp:  # it has changed since, and is asked for anew
+                self._waiting.discard(sky.pixels)
+                redraw()
+                return None
+            self._rendering = sky, Panorama(world)
+        rendered, job = self._rendering
+        if not job.is_done():
+            return 0.1
+        self._rendering = None
+        self._waiting.discard(rendered.pixels)
+        self._keep(rendered, job.result())
+        redraw()
+        return None if rendered == sky else 0.0
 
     def _make(self, sky: Sky) -> None:
+        world = _world(sky.world) if sky.world else None
+        self._keep(sky, Panorama(world).result() if world is not None else self._read(sky))
+
+    def _keep(self, sky: Sky, light: Light | None) -> None:
         import gpu
 
-        pixels = self._read(sky)
-        texture = None
-        if pixels is not None:
+        made = None
+        if light is not None:
+            pixels, suns = light
             texture = gpu.types.GPUTexture(atlas_size(), format="RGBA16F", data=buffer(atlas(levels(pixels))))
             smooth_lookups(texture)
-        self._held[sky.pixels] = texture
+            made = Lit(texture, suns)
+        if sky.world:
+            self._last[sky.world] = sky.pixels
+            self.message = "" if light is not None else "the world, which a second Blender could not render"
+        self._held[sky.pixels] = made
         while len(self._held) > _KEPT:
             self._held.popitem(last=False)
+
+
+def _world(name: str) -> bpy.types.World | None:
+    return next((each for each in bpy.data.worlds if each.name_full == name), None)

@@ -6,7 +6,8 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from ....precompute.table import importance
+from ....precompute.constants import LEAST_SCALE
+from ....precompute.table import importance, scaled_albedo
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
 
@@ -39,9 +40,24 @@ _DENSITIES = {
     "N_PHI": importance.N_PHI,
 }
 
+#: Numbers of the albedos of scaled surfaces, and what a scale that makes no sense counts as.
+_SCALED = {
+    "SCALED_STEPS": scaled_albedo.STEPS,
+    "SCALED_N_SCALES": scaled_albedo.N_SCALES,
+    "SCALED_N_THETA": scaled_albedo.N_THETA,
+    "SCALED_N_PHI": scaled_albedo.N_PHI,
+    **{f"SCALED_DEPTH_{i}": depth for i, depth in enumerate(scaled_albedo.DEPTHS)},
+    "SCALE_LEAST": LEAST_SCALE,
+}
+
 #: Side of the finest level of an image of the surroundings, and how many levels there are: the last has four texels.
 SKY_SIDE = 512
 SKY_LEVELS = 9
+
+#: Side of the square that says what diffuse surfaces see, the same as of one of the levels, and where it begins with
+#: its border in the image: column and row, beside the third level.
+DIFFUSE_SIDE = 32
+DIFFUSE_CORNER = SKY_SIDE + SKY_SIDE // 4 + 4, SKY_SIDE // 2 + 2
 
 #: Angles of view, even steps from 0 to 90 degrees, at which a surface tells what it keeps from the pigment below.
 KEPT = 19
@@ -57,6 +73,10 @@ FLAGS = (
     "DISPLAY",  # colours pass through the view transform
     "REPLACE",  # draws the pigment too
     "TURNED",  # an image of angles
+    "MASKED",  # an image says where the structure is
+    "CUTOUT",  # where it is not, there is no surface
+    "PAINTED",  # an image of scale, depth, angle and mask
+    "SCALED",  # a period or depth that is not the table's
     "CONSERVE",  # f is divided by the albedo where that passes 1
     "LINEAR_IN_W",  # of the table's factor |w|^power: the power is 1
     "DIELECTRIC",
@@ -98,7 +118,9 @@ def _begin(method: str, flags: frozenset[str]) -> Any:
     info.uniform_buf(1, "DiffractionSurface", "df_surface")
     info.sampler(0, "FLOAT_2D_ARRAY", "df_table")
     if flags & {"CONSERVE", "AMBIENT"}:
-        info.sampler(1, "FLOAT_2D", "df_albedo")
+        info.sampler(1, "FLOAT_2D", "df_tiles" if "SCALED" in flags else "df_albedo")
+    for name, number in _SCALED.items():
+        info.define(name, f"{float(number)}")
     if method == "FLSS":
         info.uniform_buf(2, "DiffractionSeries", "df_series")
         info.sampler(3, "FLOAT_2D_ARRAY", "df_terms")
@@ -121,21 +143,29 @@ def surface(method: str, flags: frozenset[str]) -> Any:
         info.sampler(2, "FLOAT_3D", "df_display")
     if "TURNED" in flags:
         info.sampler(4, "FLOAT_2D", "df_angle")
+    if "PAINTED" in flags:
+        info.sampler(4, "FLOAT_2D", "df_paint")
+    if "MASKED" in flags:
+        info.sampler(7, "FLOAT_2D", "df_mask")
+    has_uv = bool(flags & {"TURNED", "PAINTED", "MASKED"})
+    if has_uv:
+        info.define("PICTURED", "1")
     if "SKYLIT" in flags:
         info.sampler(5, "FLOAT_2D", "df_sky")
         info.define("SKY_SIDE", f"{SKY_SIDE}.0")
         info.define("SKY_LEVELS", f"{SKY_LEVELS}.0")
+        info.define("SKY_DIFFUSE", "vec3({}.0, {}.0, {}.0)".format(*DIFFUSE_CORNER, DIFFUSE_SIDE))
     if any(name.startswith("SKY_") for name in flags):
         _add_densities(info)
     info.push_constant("MAT4", "df_model")
     for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
-        if name != "uv" or "TURNED" in flags:
+        if name != "uv" or has_uv:
             info.vertex_in(slot, kind, name)
     between = gpu.types.GPUStageInterfaceInfo("diffraction_surface")
     between.smooth("VEC3", "world_place")
     between.smooth("VEC3", "world_normal")
     between.smooth("VEC4", "world_tangent")
-    if "TURNED" in flags:
+    if has_uv:
         between.smooth("VEC2", "world_uv")
     info.vertex_out(between)
     info.vertex_source(_text("surface_vertex.glsl"))

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from ....precompute.errors import SizeLimitError
+from ....precompute.table import importance, scaled_albedo
 from ....precompute.table.layout import TableLayout
-from ....precompute.table.table import SpectralTable
+from ....precompute.table.table import SpectralTable, read_sidecar
 from ...versions import smooth_lookups
 from .blocks import ALBEDO_SIDE, buffer
 
@@ -29,6 +30,32 @@ class TableTextures:
     info: dict[str, Any]
     slices: Any
     albedo: Any
+    tiles: Any = None
+
+
+def _upload_tiles(tiles: np.ndarray) -> Any:
+    import gpu
+
+    rgba = np.ones((*tiles.shape[:2], 4), np.float32)
+    rgba[..., :3] = tiles
+    texture = gpu.types.GPUTexture((tiles.shape[1], tiles.shape[0]), format="RGBA16F", data=buffer(rgba))
+    smooth_lookups(texture)
+    return texture
+
+
+def find_directions(path: Path) -> np.ndarray:
+    """``(HEIGHT, WIDTH, 3)``: the image of directions beside a table, else one made now, in a second or so.
+
+    Raises
+    ------
+    TableError
+        If the table cannot be read.
+    """
+    beside = path.with_name(f"{path.stem}.importance.exr")
+    origin = importance.read_origin(beside)
+    if origin is not None and origin[0] == read_sidecar(path)["atlas"]["sha256"]:
+        return importance.load_image(beside)
+    return importance.importance(SpectralTable.load(path)).image()
 
 
 def upload(table: SpectralTable) -> TableTextures:
@@ -111,6 +138,21 @@ class Tables:
             self._held.pop(path, None)
             held = self._held[path] = (stamp, upload(SpectralTable.load(path)))
         return held[1]
+
+    def tiles(self, path: Path) -> Any:
+        """Albedos of the table's scaled surfaces; of one whose table `get` found.
+
+        Raises
+        ------
+        TableError
+            If the table cannot be read.
+        """
+        textures = self.get(path)
+        if textures.tiles is None:
+            textures.tiles = _upload_tiles(
+                find_directions(path)[importance.VIEWS :][: scaled_albedo.HEIGHT, : scaled_albedo.WIDTH]
+            )
+        return textures.tiles
 
     def keep(self, paths: set[Path]) -> None:
         """Drop all but these."""

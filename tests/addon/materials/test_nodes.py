@@ -7,7 +7,7 @@ import pytest
 
 from tests.support.blender import materials, scenes, tables
 from tests.support.blender.lamps import LAMPS, add_lamp
-from tests.support.blender.worlds import white_world
+from tests.support.blender.worlds import picture_world, white_world
 from tests.support.compare import assert_images_agree
 
 SUNS = [(0.3, -0.4, 0.8), (-0.5, 0.6, 0.7)]
@@ -125,6 +125,35 @@ def clear_of_horizons(size, lamp):
     to = matrix[:3, 2] if lamp.data.type == "SUN" else matrix[:3, 3] - points
     cos_i = (n * to).sum(-1) / np.linalg.norm(to, axis=-1)
     return hit & ((n * -scenes.camera_rays(size)[1]).sum(-1) > 0.1) & (cos_i > 0.1)
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_eevee_counts_no_shader_twice(blender, tmp_path, implementation):
+    """EEVEE counts a shader twice whose colour feeds a Mix Shader itself: between the two stands a number's node."""
+    sphere = two_suns(tmp_path, segments=16, rings=8)
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation=implementation)
+    trees = [group for group in bpy.data.node_groups if group.bl_idname == "ShaderNodeTree"]
+    links = [link for tree in trees for link in tree.links if link.from_node.bl_idname == "ShaderNodeShaderToRGB"]
+    assert links
+    assert not [link for link in links if link.to_node.bl_idname == "ShaderNodeMixShader"]
+
+
+@pytest.mark.slow
+def test_eevee_shows_the_world_as_cycles_does(blender, tmp_path):
+    """A picture of the sky with soft colours, and its turn: means of a plane within 5 %."""
+    plane = scenes.add_plane(half=1.0)
+    scenes.add_camera((0.5, 0.3, 1.0), extent=0.5)
+    tables.make_table(tmp_path / "t.exr", lambda u, v, w: 0.3 * tables.lobes(u, v, w))
+    y, x = np.mgrid[0:64, 0:128]
+    lon, lat = x / 128 * 2 * np.pi, (y / 64 - 0.5) * np.pi
+    rgb = np.stack([0.4 + 0.3 * np.sin(lon), 0.3 + 0.2 * np.sin(lat), 0.4 - 0.3 * np.cos(lon)], -1)
+    picture_world(rgb)
+    materials.diffracting(plane, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
+    by_cycles = scenes.render(16, samples=256).mean((0, 1))
+    scene = bpy.context.scene
+    scene.render.engine = "BLENDER_EEVEE"
+    scene.eevee.taa_render_samples = 64
+    assert scenes.render(16).mean((0, 1)) == pytest.approx(by_cycles, rel=0.05)
 
 
 @pytest.mark.slow

@@ -62,6 +62,19 @@ def test_levels_keep_the_light(blender):
         assert square.mean((0, 1)) == pytest.approx(mean, rel=5e-3)
 
 
+def test_what_a_diffuse_surface_sees(blender):
+    """A sky of 0.4 + 0.3 z sends 0.4 + 0.2 n_z on: its first band is convolved to two thirds."""
+    from diffraction_shader.addon.viewport.data import sky
+
+    z = np.sin((np.arange(64) + 0.5) / 64 * np.pi - 0.5 * np.pi)
+    rgb = np.broadcast_to((0.4 + 0.3 * z)[:, None, None], (64, 128, 3)).astype(np.float32)
+    found = sky.diffuse(sky.levels(rgb))
+    towards = sky.square_directions(len(found))
+    assert found[..., 0] == pytest.approx(0.4 + 0.2 * towards[..., 2], abs=2e-3)
+    levels = [sky.atlas_size()[0] - 258 + 2 + len(square) for square in sky.levels(rgb)[2:3]]
+    assert sky.DIFFUSE_CORNER[0] >= levels[0]  # beside the third level, not over it
+
+
 def sphere_under(tmp_path, rotation):
     ob = scenes.add_sphere(segments=64, rings=32)
     scenes.add_camera((0.4, -1, 0.5))
@@ -164,4 +177,4 @@ def test_what_surrounds_a_view(blender, tmp_path):
     gradient = scene.world.node_tree.nodes.new("ShaderNodeTexGradient")
     scene.world.node_tree.links.new(gradient.outputs[0], background.inputs["Color"])
     found = surroundings.of_world(scene.world)
-    assert found.sky is None and "Gradient" in found.unknown
+    assert found.sky.world == "world"  # rendered all around by a second Blender

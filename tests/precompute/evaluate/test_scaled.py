@@ -151,3 +151,45 @@ def test_command_line_and_python_agree(table, tmp_path, capsys):
     assert "passes the rim of the table" in capsys.readouterr().out
     assert main(["eval", str(path), "--wi", "30", "10", "--wr", "5", "200", "--scale", "-1"]) == 2
     assert "makes no sense" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(("s", "q"), [(1.6, 1.0), (1.0, 1.4), (1.5, 1.3)])
+def test_headroom_holds_larger_periods_and_depths(table, s, q):
+    """A table with headroom is that of the larger surface, where one without ends; at 1 both are the same."""
+    roomy = bake(rough(), BakeParameters(sigma_s_m=3e-6, level="none", scale_headroom=1.6, depth_headroom=1.4))
+    other = bake(rough(s, q), BakeParameters(sigma_s_m=s * 3e-6, level="none"))
+    random = np.random.default_rng(5)
+    theta, phi = np.arccos(random.uniform(0.15, 1.0, (2, 4000))), random.uniform(0, 2 * np.pi, (2, 4000))
+    wi, wr = from_angles(theta[0], phi[0]), from_angles(theta[1], phi[1])
+    its = brdf(other, wi, wr)[..., 1]
+
+    def error(which, scale=s, depth=q, wanted=its):
+        return np.abs(brdf(ScaledTable(which, scale, depth), wi, wr)[..., 1] - wanted).sum() / wanted.sum()
+
+    assert error(roomy) < 0.01
+    assert error(roomy, 1.0, 1.0, brdf(table, wi, wr)[..., 1]) < 0.01
+    assert not ScaledTable(roomy, s, q).beyond and ScaledTable(table, s, q).beyond
+    assert roomy.layout.index == 1.0
+
+
+def test_headroom_survives_the_file_and_leaves_no_trace_where_there_is_none(table, tmp_path):
+    from precompute.table import SpectralTable
+
+    roomy = bake(rough(pixels=260), BakeParameters(sigma_s_m=3e-6, level="none", detail=0.3, scale_headroom=1.3))
+    assert SpectralTable.load(roomy.save(tmp_path / "r.exr")).headroom == (1.3, 1.0)
+    assert roomy.info["parameters"]["scale_headroom"] == 1.3
+    assert "headroom" not in table.save(tmp_path / "t.exr").with_suffix(".json").read_text(encoding="utf-8")
+    for wrong in (0.5, 20.0, float("nan")):
+        with pytest.raises(ParameterError, match="headroom of Scale"):
+            BakeParameters(scale_headroom=wrong)
+
+
+@pytest.mark.parametrize(("s", "q"), [(0.8, 1.0), (0.5, 0.6), (0.3, 0.9)])
+def test_tiles_of_albedo_hold_at_least_what_conserves_energy(table, s, q):
+    """Against the bake's own quadrature: hardly ever too small, and near it on average."""
+    scaled = ScaledTable(table, s, q)
+    random = np.random.default_rng(9)
+    wr = from_angles(np.radians(random.uniform(0, 75, 400)), random.uniform(0, 2 * np.pi, 400))
+    ratio = np.maximum(scaled.conserving_albedo(wr), 1.0) / np.maximum(scaled.albedo(wr), 1.0)
+    assert np.quantile(ratio, 0.02) > 0.97
+    assert ratio.mean() < 1.08

@@ -32,7 +32,10 @@ def lambertian(monkeypatch):
     from diffraction_shader.addon.materials import osl
 
     source = osl.source
-    lookup = "color xyz = factor * table_transform(atlas, -(wi[0] + wr[0]), -(wi[1] + wr[1]), w_abs);"
+    lookup = (
+        "color xyz = (factor * scale * scale)\n"
+        "                * table_transform(atlas, -scale * (wi[0] + wr[0]), -scale * (wi[1] + wr[1]), depth * w_abs);"
+    )
 
     def constant(layout, albedo_max, **options):
         text = source(layout, albedo_max, **options)

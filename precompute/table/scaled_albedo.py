@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Directional albedos of a surface stretched by s and deepened by q, for a few (s, q).
+
+With ``T'(u, v, w) = s^2 T(s u, s v, q w)`` and (u', v') = s (u, v) the albedo of the scaled surface is the table's own
+integral with other weights (R = 1):
+
+    a(wr; s, q) = integral (1 + wi.wr)^2 / (cos_i cos_r w^2) T(u', v', q w) du' dv',    wi_xy = -(u', v') / s - wr_xy
+
+It is summed on coarse rings and sectors, relative to the surface as baked, and that ratio multiplies the table's own.
+What renderers look up is a row of tiles over (theta, phi), one a scale, ``STEPS`` to an octave; the three channels hold
+three depths. Between scales it is linear in log s, between depths quadratic in q. Lines of order that pass the horizon
+between two scales would be missed: a tile holds at least what the scales halfway to its neighbours need, so that no
+light is made, and some is lost within a few degrees of such a line.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from .albedo import DARK_WHITE
+from .table import SpectralTable
+
+#: Tiles, and how many of them halve the scale; the first is the largest scale (1, or the table's headroom).
+N_SCALES, STEPS = 13, 4
+
+#: The depths of the three channels over the largest depth.
+DEPTHS = (1.0, 0.6, 0.1)
+
+#: Size of a tile without its guard rows; tables have the same by default.
+N_THETA, N_PHI = 46, 36
+
+#: Size of all tiles together.
+WIDTH, HEIGHT = N_SCALES * N_THETA, N_PHI + 2
+
+#: Polar angles, azimuths and sectors of the coarse sums, and the width of rings over their radius.
+_THETAS, _AZIMUTHS, _SECTORS, _RING = 16, 12, 48, 0.05
+
+#: The last polar angle (radians).
+_THETA_LAST = np.radians(88.0)
+
+
+def place(scale: np.ndarray | float, depth: np.ndarray | float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Where the albedo of a scale and depth is found.
+
+    Parameters
+    ----------
+    scale, depth
+        Over the largest that the table holds; what lies outside of the tiles takes the nearest.
+
+    Returns
+    -------
+    tuple of ndarray
+        Index of the lower tile, the part of the next one, and ``(..., 3)`` weights of the channels.
+    """
+    at = np.clip(-STEPS * np.log2(np.maximum(scale, 1e-9)), 0.0, N_SCALES - 1.0)
+    lower = np.minimum(np.floor(at), N_SCALES - 2.0)
+    q, (a, b, c) = np.clip(depth, DEPTHS[-1], DEPTHS[0]), DEPTHS
+    weights = [
+        (q - b) * (q - c) / ((a - b) * (a - c)), (q - a) * (q - c) / ((b - a) * (b - c)),
+        (q - a) * (q - b) / ((c - a) * (c - b)),
+    ]  # fmt: skip
+    return lower.astype(int), at - lower, np.stack(weights, -1)
+
+
+def look_up(tiles: np.ndarray, directions: np.ndarray, scale: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """Albedos as renderers look them up.
+
+    Parameters
+    ----------
+    tiles
+        ``(HEIGHT, WIDTH, 3)``, see `scaled_albedos`.
+    directions
+        ``(..., 3)`` unit vectors in the scan's frame.
+    scale, depth
+        Over the largest that the table holds, ``(...)``.
+    """
+    directions = np.asarray(directions, float)
+    theta = np.arccos(np.clip(directions[..., 2], 0.0, 1.0))
+    turn = np.arctan2(directions[..., 1], directions[..., 0]) / (2.0 * np.pi)
+    column, row = theta * ((N_THETA - 1) / (0.5 * np.pi)), 1.0 + np.mod(turn * N_PHI, N_PHI)
+    lower, part, weights = place(scale, depth)
+    left, below = np.minimum(column.astype(int), N_THETA - 2), np.minimum(row.astype(int), N_PHI)
+    fx, fy = column - left, row - below
+
+    def tile(index: np.ndarray) -> np.ndarray:
+        x = index * N_THETA + left
+        low, high = (
+            tiles[y, x] * (1 - fx)[..., None] + tiles[y, x + 1] * fx[..., None] for y in (below, below + 1)
+        )  # fmt: skip
+        return ((low * (1 - fy)[..., None] + high * fy[..., None]) * weights).sum(-1)
+
+    return tile(lower) * (1 - part) + tile(lower + 1) * part
+
+
+def scaled_albedos(table: SpectralTable) -> np.ndarray:
+    """The tiles of a table.
+
+    Parameters
+    ----------
+    table
+        The spectral table.
+
+    Returns
+    -------
+    ndarray
+        ``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: tiles side by side, each with a guard row below and above.
+    """
+    sums = _Sums(table)
+    most_s, most_q = table.headroom
+    scales = most_s * 2.0 ** (np.arange(2 * N_SCALES - 1) / (-2.0 * STEPS))
+    pairs = [(s, most_q * q) for s in scales for q in DEPTHS]
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
+        found = np.stack(list(pool.map(lambda pair: sums.albedo(*pair), pairs)))
+    own = sums.albedo(1.0, 1.0)
+    ratios = (found / np.maximum(own, 1e-6)).reshape(len(scales), len(DEPTHS), *own.shape)
+    nodes = ratios[::2].copy()
+    nodes[:-1] = np.maximum(nodes[:-1], ratios[1::2])
+    nodes[1:] = np.maximum(nodes[1:], ratios[1::2])
+    if table.headroom == (1.0, 1.0):
+        nodes[0, 0] = 1.0  # of the surface as baked the albedo is known
+    albedo, conserving = (_on_grid(each) for each in (table.albedo, table.conserving_albedo))
+    # What single wavelengths need beyond X, Y and Z grows with the depth; beyond that it is taken as that of the table.
+    excess = conserving / np.maximum(albedo, 1e-6) - 1.0
+    depths = [albedo * (1.0 + excess * min(q * most_q, 1.0)) for q in DEPTHS]
+    tiles = np.stack([[_on_tile(each) * own for each, own in zip(node, depths, strict=True)] for node in nodes])
+    tiles = np.concatenate([tiles[:, :, -1:], tiles, tiles[:, :, :1]], axis=2)
+    return np.ascontiguousarray(tiles.transpose(2, 0, 3, 1).reshape(HEIGHT, WIDTH, 3).astype(np.float32))
+
+
+def _on_grid(albedo: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    """``(N_PHI, N_THETA)`` albedos of a table."""
+    phi, theta = (np.arange(N_PHI) * (2.0 * np.pi / N_PHI))[:, None], np.arange(N_THETA) * (0.5 * np.pi / (N_THETA - 1))
+    sine = np.sin(theta)
+    shape = (N_PHI, N_THETA)
+    parts = (sine * np.cos(phi), sine * np.sin(phi), np.broadcast_to(np.cos(theta), shape))
+    return albedo(np.stack(parts, -1))
+
+
+def _on_tile(values: np.ndarray) -> np.ndarray:
+    """``(N_PHI, N_THETA)`` from ``(thetas, azimuths)``, linear between them."""
+    tile_theta = np.arange(N_THETA) * (0.5 * np.pi / (N_THETA - 1))
+    at = np.arange(N_PHI) * (_AZIMUTHS / N_PHI)
+    lower = np.floor(at).astype(int)
+    part = at - lower
+    around = values[:, lower % _AZIMUTHS] * (1.0 - part) + values[:, (lower + 1) % _AZIMUTHS] * part
+    return np.stack([np.interp(tile_theta, _thetas(), column) for column in around.T])
+
+
+def _thetas() -> np.ndarray:
+    """Polar angles of the coarse sums: closer to each other towards the horizon."""
+    return _THETA_LAST * np.sin(np.linspace(0.0, 0.5 * np.pi, _THETAS))
+
+
+class _Sums:
+    """Coarse sums of a table's light, see `albedo`."""
+
+    def __init__(self, table: SpectralTable) -> None:
+        layout = self._layout = table.layout
+        radii = layout.radii
+        starts, start = [], 0
+        while start < len(radii):
+            starts.append(start)
+            start = max(start + 1, int(np.searchsorted(radii, radii[start] * (1.0 + _RING))))
+        step = np.diff(radii)
+        area = np.zeros(len(radii))  # of hat functions over r dr
+        area[:-1] += step * (2.0 * radii[:-1] + radii[1:]) / 6.0
+        area[1:] += step * (radii[:-1] + 2.0 * radii[1:]) / 6.0
+        ring_area = np.add.reduceat(area, starts)
+        self._r = np.add.reduceat(area * radii, starts) / ring_area
+        ends = np.append(radii[starts][1:], radii[-1])
+        self._width = ends - radii[starts]
+        white = np.asarray(table.info["colour"]["white_xyz"], float)
+        bright = white > DARK_WHITE
+        count = min(_SECTORS, layout.n_phi)
+        light = np.empty((layout.n_w, count, len(starts), int(bright.sum())), np.float32)
+        edges = np.minimum((np.arange(count) * layout.n_phi) // count, layout.n_phi - 1)
+        sizes = np.diff(np.append(edges, layout.n_phi))[:, None, None]
+        for index in range(layout.n_w):
+            x, y = layout.tile_origin(index)
+            tile = table.atlas[y + 1 : y + 1 + layout.n_phi, x : x + layout.n_r][..., bright].astype(np.float32)
+            sectors = np.add.reduceat(tile, edges, axis=0) / sizes
+            light[index] = np.add.reduceat(sectors * area[:, None].astype(np.float32), starts, axis=1)
+        light *= layout.scale / white[bright].astype(np.float32)
+        self._delta = 2.0 * np.pi / count
+        shift = (np.arange(_AZIMUTHS) * count) // _AZIMUTHS
+        half = (count + 1) // 2
+        ahead = (np.arange(half)[:, None] + shift) % count
+        behind = (count - 1 - np.arange(half)[:, None] + shift) % count
+        once = np.where(ahead == behind, np.float32(0.5), np.float32(1.0))[..., None, None]
+        # (n_w, half, azimuths, rings, colours) -> rows of (azimuths, colours) by slice, ring and half sector
+        pairs = (light[:, ahead] + light[:, behind]) * once
+        self._rows = np.ascontiguousarray(pairs.transpose(0, 3, 1, 2, 4)).reshape(layout.n_w, len(starts) * half, -1)
+        self._alpha = (np.arange(half) + 0.5) * self._delta
+
+    def albedo(self, scale: float, depth: float) -> np.ndarray:
+        """``(thetas, azimuths)`` the largest of X, Y and Z relative to white of the surface so scaled."""
+        layout, thetas = self._layout, _thetas()
+        n = layout.index
+        r = (self._r / scale)[:, None]
+        half_extent = 0.5 * np.hypot(self._width[:, None] / scale, r * self._delta)
+        sin_r = np.sin(thetas)[:, None, None]
+        cos_r = np.sqrt(1.0 - (sin_r / n) ** 2)
+        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(self._alpha) + sin_r**2, 0.0))
+        inside = np.minimum(rho, 1.0)
+        cos_i = np.sqrt(1.0 - (inside / n) ** 2)
+        if n > 1.0:
+            inverse = np.clip(0.5 + (1.0 - rho) / (2.0 * half_extent), 0.0, 1.0) / cos_i
+        else:  # its mean over the cell's extent in rho, as in `albedo`
+            inverse = np.arcsin(np.minimum(rho + half_extent, 1.0)) - np.arcsin(np.clip(rho - half_extent, -1.0, 1.0))
+            inverse /= 2.0 * half_extent
+        w = n * (cos_i + cos_r)
+        weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
+        weight *= (depth * w) ** layout.power
+        position = layout.slice_coordinate(depth * w)
+        lower = np.minimum(position.astype(int), layout.n_w - 2)
+        blend = (position - lower).reshape(len(thetas), -1)
+        weight, lower = weight.reshape(len(thetas), -1), lower.reshape(len(thetas), -1)
+        cell = np.arange(weight.shape[1])
+        found = np.empty((len(thetas), self._rows.shape[-1]))
+        for k in range(len(thetas)):
+            lit = np.flatnonzero(weight[k])
+            below, above = self._rows[lower[k, lit], cell[lit]], self._rows[lower[k, lit] + 1, cell[lit]]
+            share, up = weight[k, lit].astype(np.float32), blend[k, lit].astype(np.float32)
+            found[k] = (share * (1 - up)) @ below + (share * up) @ above
+        return np.maximum(found.reshape(len(thetas), _AZIMUTHS, -1).max(-1), 0.0)

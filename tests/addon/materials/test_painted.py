@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sockets Scale and Depth: pixel by pixel what numpy says, under lamps and in an environment, constant or painted."""
+
+import bpy
+import numpy as np
+import pytest
+
+from precompute.bake.baking import bake
+from precompute.evaluate.scaled import ScaledTable
+from precompute.light.colour import luminance_row, xyz_to_rgb_matrix
+from precompute.parameters import BakeParameters
+from precompute.presets import make_preset
+from precompute.table.table import SpectralTable
+from tests.support.blender import materials, scenes
+from tests.support.blender.sphere_truth import expected
+from tests.support.blender.worlds import white_world
+from tests.support.compare import assert_images_agree
+from tests.truth import radiance
+from tests.truth.hemisphere import direction, hemisphere
+
+SUN = (0.3, -0.4, 0.8)
+PAIRS = [(0.6, 0.7), (0.45, 1.0), (1.15, 1.1)]
+
+
+@pytest.fixture(scope="module")
+def foil(tmp_path_factory):
+    path = tmp_path_factory.mktemp("foil") / "foil.exr"
+    bake(make_preset("foil", 24e-6, 270), BakeParameters(sigma_s_m=1.5e-6, detail=0.6)).save(path)
+    return SpectralTable.load(path), path
+
+
+def node_of(made):
+    return made.node_tree.nodes["Diffraction"]
+
+
+@pytest.mark.parametrize(("scale", "depth"), PAIRS)
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_a_sphere_under_a_sun_is_what_numpy_says(blender, foil, implementation, scale, depth):
+    table, path = foil
+    sphere = scenes.add_sphere(segments=512, rings=256)
+    scenes.add_sun(SUN)
+    scenes.add_camera((0.2, 0.1, 1.0))
+    made = materials.diffracting(sphere, path, implementation, fresnel="NONE", environment=0)
+    node_of(made).inputs["Scale"].default_value, node_of(made).inputs["Depth"].default_value = scale, depth
+    image = scenes.render(48)
+    truth, good = expected(sphere, ScaledTable(table, scale, depth), [SUN], 48)
+    assert good.sum() > 200
+    # Above 1 the table's rim is in view, which is as steep as a texel allows.
+    most = 99.0 if scale <= 1.0 else 97.0
+    assert_images_agree(image, truth, 0.01, most, where=good, name=f"scaled_{implementation}_{scale}_{depth}")
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_senseless_values_count_as_a_hundredth(blender, foil, implementation):
+    _, path = foil
+    plane = scenes.add_plane()
+    scenes.add_sun(SUN)
+    scenes.add_camera(extent=0.2)
+    made = materials.diffracting(plane, path, implementation, fresnel="NONE", environment=0)
+    node, found = node_of(made), []
+    tree = made.node_tree
+    value = tree.nodes.new("ShaderNodeMath")  # 0 / 0 is no number in OSL alone; Cycles' own division gives 0
+    value.operation = "MULTIPLY"
+    value.inputs[1].default_value = 1.0
+    for name in ("Scale", "Depth"):
+        tree.links.new(value.outputs[0], node.inputs[name])
+    for number in (0.01, 0.0, -3.0, float("nan")):
+        value.inputs[0].default_value = number
+        found.append(scenes.render(4).mean((0, 1)))
+    assert min(found[0]) > 0
+    for each in found[1:]:
+        assert each == pytest.approx(found[0], rel=1e-4)
+
+
+def painted_plane(path, implementation, maps):
+    """A plane whose sockets follow an image of Scale (R) and Depth (G), one texel a pixel of the render."""
+    rows, cols = maps.shape[:2]
+    plane = scenes.add_plane(half=1.0)
+    made = materials.diffracting(plane, path, implementation, fresnel="NONE", environment=0)
+    image = bpy.data.images.new("paint", cols, rows, float_buffer=True, alpha=True)
+    image.colorspace_settings.name = "Non-Color"
+    pixels = np.ones((rows, cols, 4), np.float32)
+    pixels[..., :2] = maps
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    tree = made.node_tree
+    texture, split = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeSeparateColor")
+    texture.image, texture.interpolation = image, "Closest"
+    tree.links.new(texture.outputs["Color"], split.inputs[0])
+    tree.links.new(split.outputs["Red"], node_of(made).inputs["Scale"])
+    tree.links.new(split.outputs["Green"], node_of(made).inputs["Depth"])
+    return made
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_painted_pixels_are_each_their_own_surface(blender, foil, implementation):
+    table, path = foil
+    maps = np.random.default_rng(4).uniform(0.3, 1.1, (12, 12, 2))
+    view = (0.0, 0.0, 1.0)
+    scenes.add_sun(SUN)
+    scenes.add_camera(view, extent=2.0)
+    painted_plane(path, implementation, maps)
+    image = scenes.render(12)[::-1, ::-1]  # a camera straight above looks with the picture's top down
+    wi = np.array(SUN) / np.linalg.norm(SUN)
+    truth = np.zeros_like(image)
+    for place in np.ndindex(12, 12):
+        one = ScaledTable(table, *maps[place])
+        f_cos = radiance.f_cos_xyz(one, wi, np.array(view))
+        truth[place] = radiance.gamut_step(f_cos[None], xyz_to_rgb_matrix())[0]
+    good = (truth.mean(-1) > 1e-3) & ~np.eye(12, dtype=bool)  # rays meet the seam of the square's triangles there
+    assert good.sum() > 30
+    assert_images_agree(image, truth, 0.01, where=good, name=f"painted_{implementation}")
+
+
+def furnace(path, implementation, wr, scale, depth, samples, **settings):
+    white_world()
+    plane = scenes.add_plane(half=1.0)
+    scenes.add_camera(wr, extent=0.2)
+    made = materials.diffracting(plane, path, implementation, fresnel="NONE", **settings)
+    node_of(made).inputs["Scale"].default_value, node_of(made).inputs["Depth"].default_value = scale, depth
+    return scenes.render(32, samples)
+
+
+@pytest.mark.parametrize(("scale", "depth", "theta"), [(0.6, 0.7, 20), (0.8, 1.0, 60), (1.2, 0.9, 40)])
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_a_white_furnace_equals_the_quadrature(blender, foil, implementation, scale, depth, theta):
+    table, path = foil
+    wr = direction(theta, 53)
+    image = furnace(path, implementation, wr, scale, depth, 144)
+    wi, cell = hemisphere(800)
+    xyz = (radiance.f_cos_xyz(ScaledTable(table, scale, depth), wi, wr) * cell[..., None]).sum((0, 1))
+    assert (image @ luminance_row()).mean() == pytest.approx(xyz[1], rel=0.015)
+    rendered = np.linalg.solve(xyz_to_rgb_matrix(), image.mean((0, 1)))
+    assert (rendered / table.info["colour"]["white_xyz"] <= 1.01).all()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_raw_model_in_a_furnace_equals_the_quadrature(blender, foil, implementation):
+    table, path = foil
+    wr = direction(30, 53)
+    image = furnace(path, implementation, wr, 0.7, 0.8, 400, conserve_energy=False)
+    wi, cell = hemisphere(800)
+    scaled = ScaledTable(table, 0.7, 0.8)
+    xyz = (radiance.f_cos_xyz(scaled, wi, wr, conserve=False) * cell[..., None]).sum((0, 1))
+    assert (image @ luminance_row()).mean() == pytest.approx(xyz[1], rel=0.03)

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Worlds of many nodes, and what in them and among the objects shines like a lamp."""
+
+import subprocess
+
+import bpy
+import numpy as np
+import pytest
+
+from tests.support.blender import drawing, extension, materials, scenes, tables
+from tests.support.blender.lamps import add_lamp
+from tests.support.blender.worlds import picture, picture_world
+
+
+@pytest.fixture
+def ball(renderer, tmp_path):
+    """A diffracting sphere and its camera, without light."""
+    ob = scenes.add_sphere(segments=64, rings=32)
+    scenes.add_camera((0.4, -1, 0.5))
+    tables.make_table(tmp_path / "t.exr", tables.gentle)
+    materials.diffracting(ob, tmp_path / "t.exr", fresnel="NONE", environment=4)
+    return ob
+
+
+def world(*kinds):
+    """A world in force, without links but for its Background, and new nodes in it."""
+    made = bpy.data.worlds.new("world")
+    extension.give_nodes(made)
+    bpy.context.scene.world = made
+    return made.node_tree, *(made.node_tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
+
+
+def middle(size):
+    """Pixels well inside the sphere's rim."""
+    y, x = np.mgrid[0:size, 0:size] + 0.5 - size / 2
+    return np.hypot(x, y) < 0.8 * size / 2.2
+
+
+def test_a_world_of_many_nodes(renderer, ball, monkeypatch):
+    """What the camera alone sees lights nothing; what is mixed for all other rays does, as the plain colour does."""
+    from diffraction_shader.addon.viewport.data import panorama
+
+    monkeypatch.setattr(panorama, "WIDTH", 64)
+    tree, light, path, mix = world("Background", "LightPath", "MixShader")
+    light.inputs["Color"].default_value = (0.2, 0.5, 0.7, 1.0)
+    tree.nodes["Background"].inputs["Color"].default_value = (9.0, 0.0, 0.0, 1.0)
+    tree.links.new(path.outputs["Is Camera Ray"], mix.inputs[0])
+    tree.links.new(light.outputs[0], mix.inputs[1])
+    tree.links.new(tree.nodes["Background"].outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.nodes["World Output"].inputs["Surface"])
+    mixed = drawing.alone(renderer, 32, points=16)[middle(32)]
+    bpy.context.scene.world = None
+    picture_world(np.full((16, 32, 3), (0.2, 0.5, 0.7)))
+    plain = drawing.alone(renderer, 32, points=16)[middle(32)]
+    assert mixed.min() > 0.01
+    assert mixed == pytest.approx(plain, rel=2e-3)
+
+
+def test_a_world_is_rendered_anew_only_when_it_changed(renderer, ball, monkeypatch):
+    from diffraction_shader.addon.viewport.data import panorama, sky
+
+    tree, gradient = world("TexGradient")
+    tree.links.new(gradient.outputs[0], tree.nodes["Background"].inputs["Color"])
+    made = []
+
+    class Made(panorama.Panorama):
+        def __init__(self, asked):
+            made.append(panorama.stamp(asked))
+
+        def result(self):
+            return np.full((8, 16, 3), float(len(made)), np.float32), np.zeros((0, 7), np.float32)
+
+    monkeypatch.setattr(sky, "Panorama", Made)
+    first = drawing.alone(renderer, 16)
+    tree.nodes["Background"].location.x += 50.0
+    bpy.context.scene.frame_set(3)
+    assert np.array_equal(drawing.alone(renderer, 16), first)
+    gradient.gradient_type = "SPHERICAL"
+    assert drawing.alone(renderer, 16)[middle(16)] == pytest.approx(2.0 * first[middle(16)], rel=1e-3)
+    tree.nodes["Background"].inputs["Strength"].default_value = 0.5
+    drawing.alone(renderer, 16)
+    assert len(made) == len(set(made)) == 3
+
+
+def test_a_world_that_cannot_be_rendered_is_named_once(renderer, ball, monkeypatch):
+    from diffraction_shader.addon.viewport.data import panorama
+
+    tree, gradient = world("TexGradient")
+    tree.links.new(gradient.outputs[0], tree.nodes["Background"].inputs["Color"])
+    real = subprocess.Popen
+    monkeypatch.setattr(
+        panorama.subprocess, "Popen", lambda words, **more: real([words[0], "-c", "raise SystemExit(1)"], **more)
+    )
+    assert drawing.alone(renderer, 16).max() == 0.0
+    assert "world" in renderer.skies.message
+    bpy.context.scene.world = None
+    assert drawing.alone(renderer, 16).max() > 0.0  # three lamps stand in where there is no light at all
+
+
+@pytest.mark.slow
+def test_a_sky_as_cycles_shows_it(renderer, ball):
+    """Means within 3 %, Delta E 2000 of at most 3, and its sun where the scene's list has it."""
+    import colour
+
+    tree, sky = world("TexSky")
+    sky.sun_elevation, sky.sun_rotation = 0.6, 2.6
+    tree.nodes["Background"].inputs["Strength"].default_value = 0.1
+    tree.links.new(sky.outputs[0], tree.nodes["Background"].inputs["Color"])
+    bpy.context.view_layer.update()
+    drawn = drawing.alone(renderer, 32, points=16)[middle(32)]
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.shading_system = "CYCLES", True
+    scene.render.film_transparent, scene.cycles.sample_clamp_indirect = True, 0.0
+    reference = scenes.render(32, samples=256)[middle(32)]
+    assert drawn.mean(0) == pytest.approx(reference.mean(0), rel=0.03)
+
+    def lab(rgb):
+        return colour.XYZ_to_Lab(colour.RGB_to_XYZ(np.clip(rgb, 0.0, 1.0), "sRGB", apply_cctf_decoding=False))
+
+    assert colour.delta_E(lab(reference), lab(drawn), method="CIE 2000").mean() <= 3.0
+    (lit,) = renderer.skies._held.values()
+    listed = np.array(scene["diffraction_lamp_01"])[:3]
+    assert lit.suns[0, :3] == pytest.approx(listed / np.linalg.norm(listed), abs=1e-5)
+
+
+def test_a_bright_spot_shines_as_a_sun(renderer, ball):
+    """An image with a small bright disc: the same as the image without it and a sun of its irradiance."""
+    rgb = np.full((128, 256, 3), 0.2)
+    rgb[96:98, 60:63] = (900.0, 700.0, 500.0)
+    node = picture_world(rgb)
+    node.id_data.nodes["Background"].inputs["Strength"].default_value = 2.0
+    with_spot = drawing.alone(renderer, 32, points=16)[middle(32)]
+    (lit,) = renderer.skies._held.values()
+    ((x, y, z, red, green, blue, radius),) = lit.suns
+    elevation = (97.0 / 128 - 0.5) * np.pi
+    pixels = 6 * (np.pi / 128) * (2.0 * np.pi / 256) * np.cos(elevation)
+    assert (red, green, blue) == pytest.approx(tuple(pixels * (c - 0.2) for c in (900, 700, 500)), rel=0.02)
+    assert z == pytest.approx(np.sin(elevation), abs=0.01)
+    assert 0.01 < radius < 0.05
+    rgb[96:98, 60:63] = 0.2
+    node.image = picture(rgb)
+    scenes.add_sun((x, y, z), strength=2.0, angle=2.0 * float(radius), name="spot")
+    bpy.data.objects["spot"].data.color = (red, green, blue)
+    bpy.context.view_layer.update()
+    assert drawing.alone(renderer, 32, points=16)[middle(32)] == pytest.approx(with_spot, rel=0.01)
+
+
+def test_what_glows_shines_as_a_ball(renderer, ball):
+    """A glowing ball of radiance L: a point lamp of the same size and L pi r^2 in every direction."""
+    bulb = scenes.add_sphere("bulb", segments=64, rings=32)
+    bulb.location, bulb.scale = (0.8, -1.5, 2.0), (0.1, 0.1, 0.1)
+    glow = bpy.data.materials.new("glow")
+    extension.give_nodes(glow)
+    shader = glow.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Emission Color"].default_value = (1.0, 0.6, 0.2, 1.0)
+    shader.inputs["Emission Strength"].default_value = 100.0
+    bulb.data.materials.append(glow)
+    bpy.context.view_layer.update()
+    glowing = drawing.alone(renderer, 32, points=16)[middle(32)]
+    bpy.data.objects.remove(bulb)
+    lamp = add_lamp("POINT", (0.8, -1.5, 2.0), energy=400.0 * np.pi**2 * 0.01, shadow_soft_size=0.1)
+    lamp.data.color = (1.0, 0.6, 0.2)
+    by_lamp = drawing.alone(renderer, 32, points=16)[middle(32)]
+    assert by_lamp.max() > 0.1
+    assert glowing == pytest.approx(by_lamp, rel=0.01, abs=1e-4)
+
+
+def test_instanced_lamps(renderer, ball):
+    """A lamp that vertices show: the same as lamps that stand there."""
+    carrier = bpy.data.objects.new("carrier", bpy.data.meshes.new("carrier"))
+    carrier.data.from_pydata([(0.9, -1.5, 2.0), (-0.9, -1.5, 2.0)], [], [])
+    bpy.context.scene.collection.objects.link(carrier)
+    lamp = add_lamp("POINT", (0.0, 0.0, 0.0), energy=60.0)
+    lamp.parent, carrier.instance_type = carrier, "VERTS"
+    bpy.context.view_layer.update()
+    instanced = drawing.alone(renderer, 32, points=4)[middle(32)]
+    bpy.data.objects.remove(carrier)
+    bpy.data.objects.remove(lamp)
+    for place in ((0.9, -1.5, 2.0), (-0.9, -1.5, 2.0)):
+        add_lamp("POINT", place, energy=60.0)
+    plain = drawing.alone(renderer, 32, points=4)[middle(32)]
+    assert plain.max() > 0.1
+    assert instanced == pytest.approx(plain, rel=1e-3)
+
+
+def test_of_too_many_lamps_the_brightest_are_drawn(renderer, ball):
+    for number in range(16):
+        add_lamp("POINT", (0.0, 5.0, 40.0), energy=1.0, name=f"A{number:02d}")
+    weak = drawing.alone(renderer, 32)[middle(32)]
+    add_lamp("SUN", (0.3, -1.0, 1.0), energy=3.0, name="Sun")
+    assert drawing.alone(renderer, 32)[middle(32)].mean() > 100.0 * weak.mean()
