@@ -44,9 +44,10 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     red, green, blue = graph.split(graph.scaled(rgb, kept(graph, rgb, gain, given["Chance"])))
     node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
     graph.put(node.inputs["Color"], graph.join(*(graph.for_cycles(each) for each in (red, green, blue))))
-    graph.put(node.inputs["Size"], graph.product(given["Width"], 2.0 / math.pi))
+    graph.put(node.inputs["Size"], graph.for_cycles(graph.product(given["Width"], 0.02 / math.pi)))
     graph.put(node.inputs["Smooth"], 0.0)
-    graph.put(node.inputs["Normal"], graph.vector("ADD", given["Aim"], surface["Viewer"]))  # Cycles normalises it
+    half = graph.split(graph.vector("ADD", given["Aim"], surface["Viewer"]))  # Cycles normalises it
+    graph.put(node.inputs["Normal"], graph.join(*(graph.for_cycles(each) for each in half)))
     graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, node.outputs[0]))
     return graph.tree
 
