@@ -161,6 +161,7 @@ def _far(
     edge = graph.product(inset, graph.quotient(graph.product(square, area), graph.math("MAXIMUM", height, 1e-12)))
     low, high, size, covered, rooms = [], [], [], [], []
     drawn: list[Any] = []
+    anywhere: list[Any] = []
     for axis, random in ((u, x), (v, y)):
         length2 = graph.scalar("DOT_PRODUCT", axis, axis)
         each = graph.quotient(edge, graph.math("SQRT", length2))
@@ -184,15 +185,22 @@ def _far(
         high.append(bounds[2])
         size.append(graph.math("MAXIMUM", graph.difference(bounds[2], bounds[0]), 0.0))
         drawn.append(graph.fused(graph.difference(bounds[3], bounds[1]), random, bounds[1]))
+        anywhere.append(graph.fused(graph.difference(bounds[2], bounds[0]), random, bounds[0]))
         rooms.append(room)
     # On a disc, evenly; with spread what is drawn outside of it counts nothing.
     is_disc = graph.product(graph.difference(1.0, lamp.is_rectangle), graph.difference(1.0, has_spread))
-    root, turn = graph.product(graph.math("SQRT", x), graph.math("MINIMUM", *rooms)), graph.product(y, 2.0 * math.pi)
+    least_room = graph.math("MINIMUM", *rooms)
+    root, turn = graph.product(graph.math("SQRT", x), least_room), graph.product(y, 2.0 * math.pi)
     disc = [graph.product(root, graph.math(name, turn)) for name in ("COSINE", "SINE")]
-    at = [graph.choose(is_disc, s, d) for s, d in zip(drawn, disc, strict=True)]
     is_clipped_disc = graph.product(graph.difference(1.0, lamp.is_rectangle), has_spread)
-    out = graph.math("GREATER_THAN", graph.fused(at[0], at[0], graph.product(at[1], at[1])), 1.0)
-    counts = graph.difference(1.0, graph.product(is_clipped_disc, out))
+    square = graph.fused(anywhere[0], anywhere[0], graph.product(anywhere[1], anywhere[1]))
+    counts = graph.difference(1.0, graph.product(is_clipped_disc, graph.math("GREATER_THAN", square, 1.0)))
+    inwards = graph.math("MINIMUM", graph.quotient(least_room, graph.math("SQRT", square)), 1.0)
+    anywhere = [graph.product(each, inwards) for each in anywhere]
+    at = [
+        graph.choose(is_disc, graph.choose(is_clipped_disc, s, a), d)
+        for s, a, d in zip(drawn, anywhere, disc, strict=True)
+    ]
     to = graph.vector("MULTIPLY_ADD", v, at[1], graph.vector("MULTIPLY_ADD", u, at[0], middle))
 
     nearness = graph.math("POWER", graph.scalar("LENGTH", to), -3.0)
