@@ -88,7 +88,9 @@ fuzz: $(READY)
 
 bench: $(READY)
 	@$(PY) tools/bench/bench_bake.py
+	@$(PY) tools/bench/bench_stuff.py
 	@$(PY) tools/bench/bench_commands.py
+	@$(PY) tools/bench/bench_scene.py
 	@$(PY) tools/bench/bench_cycles.py
 	@$(PY) tools/bench/bench_lights.py
 	@$(PY) tools/bench/bench_paint.py

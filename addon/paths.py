@@ -8,12 +8,28 @@ from pathlib import Path
 
 import bpy
 
+from ..precompute.errors import OutputError
+
 
 def data_folder() -> Path:
     """``diffraction/`` beside the .blend; for an unsaved file a folder of the extension's own. Not made here."""
     if bpy.data.filepath:
         return Path(bpy.path.abspath("//diffraction"))
     return _user_folder("tables")
+
+
+def readable(path: Path) -> Path:
+    """The path, where Blender can read an image from it.
+
+    Raises
+    ------
+    OutputError
+        If a name in it holds a backslash, which is a letter on Linux and macOS: Blender takes it for a slash.
+    """
+    if os.sep != "\\" and "\\" in str(path):
+        folder = next(part for part in path.parts if "\\" in part)
+        raise OutputError(f"Blender reads no image below '{folder}', whose name holds a backslash; rename it.")
+    return path
 
 
 def unpack_folder() -> Path:

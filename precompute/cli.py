@@ -22,6 +22,8 @@ from .errors import DiffractionError
 
 #: Exit codes: the input's fault, and stopped by the user (128 + SIGINT).
 EXIT_ERROR = 2
+#: A check found what it looked for.
+EXIT_FAULTS = 1
 EXIT_INTERRUPTED = 130
 #: Nobody reads on (128 + SIGPIPE), as for every program of a pipeline.
 EXIT_PIPE = 141
@@ -78,7 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit code: 0, 2 (one sentence on standard error says why) or 130 (interrupted).
+        The exit code: 0, 1 (a check found faults), 2 (one sentence on standard error says why) or 130 (interrupted).
     """
     words = sys.argv[1:] if arguments is None else list(arguments)
     # What the first word without a dash names; where it names nothing, the parser says so.
@@ -108,7 +110,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     else:
         shown = {key: value for key, value in result.items() if key != "notes"}
         text = args.describe(shown) if args.describe else describe(shown)
-    return _print(text, notes)
+    return _print(text, notes) or (EXIT_FAULTS if result.get("faults") else 0)
 
 
 def _print(text: str, notes: str) -> int:

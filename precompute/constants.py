@@ -44,5 +44,8 @@ TABLE_LIMIT_BYTES = 1024 * 1024 * 1024
 #: Largest cache of tables without an explicit limit (bytes on disk).
 CACHE_LIMIT_BYTES = 4 * 1024 * 1024 * 1024
 
+#: Reflectances of a stack below this are not divided by.
+LEAST_REFLECTANCE = 1e-3
+
 #: A Scale or Depth of a painted surface below this, or that is no number, counts as this.
 LEAST_SCALE = 0.01

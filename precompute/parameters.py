@@ -151,11 +151,12 @@ class BakeParameters:
             object.__setattr__(self, "crop_m", tuple(float(x) for x in self.crop_m))
             left, right, bottom, top = self.crop_m if len(self.crop_m) == 4 else (0.0, 0.0, 0.0, 0.0)
             if not (0.0 <= left < right < math.inf and 0.0 <= bottom < top < math.inf):
-                raise ParameterError(
-                    f"The crop {self.crop_m} m makes no sense; give left < right and bottom < top in metres."
-                )
+                x, y = (f"from {1e6 * low:.6g} to {1e6 * high:.6g} um" for low, high in ((left, right), (bottom, top)))
+                raise ParameterError(f"A crop {x} in x and {y} in y makes no sense; give left < right, bottom < top.")
         if not (math.isfinite(self.smooth_m) and self.smooth_m >= 0.0):
-            raise ParameterError(f"Smoothing over {self.smooth_m} m makes no sense; give a length of 0 or more.")
+            raise ParameterError(
+                f"Smoothing over {1e9 * self.smooth_m:.6g} nm makes no sense; give a length of 0 or more."
+            )
         if not (math.isfinite(self.detail) and 0.1 <= self.detail <= 8.0):
             raise ParameterError(f"The detail is {self.detail}; it must lie between 0.1 and 8.")
         for what, headroom in (("Scale", self.scale_headroom), ("Depth", self.depth_headroom)):

@@ -115,9 +115,18 @@ vec3 diffraction_f_cos(vec3 wi, vec3 wr, float mirror, float albedo_r)
     w_abs *= scaled_here.y;
     gain = scaled_here.x * scaled_here.x;
 #endif
-#ifdef METHOD_FLSS
-    return f_cos_of(gain * flss_transform(uv, w_abs), wi, wr, mirror, albedo_r);
+#if defined(SCALED) && defined(INSIDE) && !defined(LACQUER)
+    // The stack's reflectance was taken at another half-angle than that of the directions.
+    vec2 true_uv = wi.xy + wr.xy;
+    float own = 0.5 * sqrt(dot(true_uv, true_uv) + (wi.z + wr.z) * (wi.z + wr.z));
+    float taken = min(0.5 * sqrt(dot(uv, uv) + w_abs * w_abs), 1.0);
+    vec3 corrected = kept_from_below(own) / max(kept_from_below(taken), vec3(REFLECTANCE_LEAST));
 #else
-    return f_cos_of(gain * table_transform(uv, w_abs), wi, wr, mirror, albedo_r);
+    const vec3 corrected = vec3(1.0);
+#endif
+#ifdef METHOD_FLSS
+    return corrected * f_cos_of(gain * flss_transform(uv, w_abs), wi, wr, mirror, albedo_r);
+#else
+    return corrected * f_cos_of(gain * table_transform(uv, w_abs), wi, wr, mirror, albedo_r);
 #endif
 }

@@ -82,10 +82,11 @@ vec3 sky_direction(vec3 wr, float row, float slope, vec2 xi, out float gain)
     return vec3(-r * cos_phi - wr.x, -r * sin_phi - wr.y, t * rest);
 }
 
-// Place `i` of a Fibonacci lattice.
+// Place `i` of a Fibonacci lattice, moved within its cells from one drawing of a picture to the next.
 vec2 sky_places(int i)
 {
-    return vec2((float(i) + 0.5) / float(SKY), fract(0.5 + 0.6180339887 * float(i)));
+    return vec2((float(i) + fract(0.5 + df_frame.counts.z)) / float(SKY),
+                fract(0.5 + df_frame.counts.w + 0.6180339887 * float(i)));
 }
 
 vec3 sky_light(mat3 frame, vec3 wr, float albedo_r)

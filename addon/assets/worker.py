@@ -18,14 +18,14 @@ _MARK = "DIFFRACTION-ASSETS"
 _PACKAGE = __package__.rpartition(".addon")[0]
 
 
-def command(target: Path, implementation: str) -> list[str]:
-    """What to start; empty where this is Blender as a module, which has no program."""
+def command(target: Path, implementation: str, only: tuple[str, ...] = ()) -> list[str]:
+    """What to start, for all materials or those of some presets; empty where this is Blender as a module."""
     if not bpy.app.binary_path:
         return []
     code = (
         "import addon_utils, importlib; "
         f"addon_utils.enable({_PACKAGE!r}); "
-        f"importlib.import_module({__name__!r}).main({str(target)!r}, {implementation!r})"
+        f"importlib.import_module({__name__!r}).main({str(target)!r}, {implementation!r}, {only!r})"
     )
     # The settings of the user are not loaded: their start-up scripts and add-ons have no say in the library.
     return [
@@ -65,12 +65,12 @@ def run(words: list[str], progress: Callable[[str, float], None]) -> int:
     return count
 
 
-def main(target: str, implementation: str) -> None:
+def main(target: str, implementation: str, only: tuple[str, ...] = ()) -> None:
     """Make the library and tell the progress; in the second Blender."""
     from .library import build_assets
 
     def tell(name: str, fraction: float) -> None:
         print(f"{_MARK} {fraction:.3f} {name}", flush=True)
 
-    build_assets(Path(target), implementation=implementation, progress=tell)
+    build_assets(Path(target), only, implementation=implementation, progress=tell)
     sys.stdout.flush()

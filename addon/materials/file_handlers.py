@@ -34,6 +34,22 @@ def _before_save(*arguments: Any) -> None:
                     setattr(state, name, seen)
 
 
+#: Files of which it was said what they need beside them.
+_said: set[str] = set()
+
+
+def _say_what_it_needs() -> None:
+    """Once a file: what is not inside it."""
+    if not bpy.data.filepath or bpy.data.filepath in _said:
+        return
+    folder = Path(bpy.data.filepath).parent
+    names = sorted({f"{path.parent.relative_to(folder).as_posix()}/" for path in travel.beside(folder)})
+    if names:
+        _said.add(bpy.data.filepath)
+        needs = f"its folder {names[0]}" if len(names) == 1 else f"its folders {', '.join(names)}"
+        print(f"Diffraction: this file needs {needs}; Material > Files > Pack into .blend carries it inside.")
+
+
 #: Absolute paths of the scenes' scans and tables while a file is being saved.
 _places: dict[tuple[str, str], Path] = {}
 
@@ -52,6 +68,7 @@ def _from(path: Path, folder: Path, before: str) -> str:
 def _after_save(*_: object) -> None:
     """Back to what is right here and now (a copy may have been saved elsewhere)."""
     travel.sync_all()
+    _say_what_it_needs()
     folder = Path(bpy.data.filepath).parent if bpy.data.filepath else None
     for (scene_name, name), path in _places.items():
         scene = bpy.data.scenes.get(scene_name)

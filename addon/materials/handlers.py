@@ -14,7 +14,7 @@ from bpy.app.handlers import persistent
 from mathutils import Vector
 
 from .. import app_handlers, notices
-from ..lights import gather, instances, light_list
+from ..lights import emitters, gather, instances, light_list
 from . import material, setup
 from .node import group, migrate
 
@@ -24,6 +24,12 @@ _said: dict[int, str] = {}
 _quick: dict[int, tuple] = {}
 #: Scenes with lights that no driver follows, which are written anew on each frame.
 _written: set[int] = set()
+#: What decided in the last search of a scene which lights it has (under 0: what glows), see `_needs_search`.
+_looks: dict[int, tuple] = {}
+#: Meshes that were found to glow, by scene.
+_glowing: dict[int, set[int]] = {}
+#: Names of all lamp objects of the file at the last search.
+_lamps: list[str] = []
 _at_work = False
 
 
@@ -45,14 +51,23 @@ def update_lights(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None 
     try:
         found = search(scene, depsgraph)
         changed = light_list.write(scene, found.chosen)
-        _quick[scene.as_pointer()] = _quick_look(scene)
+        _lamps[:] = [ob.name for ob in bpy.data.objects if ob.type == "LIGHT"]
+        _quick[scene.as_pointer()] = _quick_look()
+        _looks.update({scene.as_pointer(): _look(scene), 0: _glow()})
         _written.discard(scene.as_pointer())
+        _glowing[scene.as_pointer()] = {_glowing_mesh(source) for source in (*found.chosen, *found.left_out)}
         if any(source.is_written for source in found.chosen):
             _written.add(scene.as_pointer())
         _say(scene, gather.too_many(found))
     finally:
         _at_work = False
     return changed
+
+
+def _glowing_mesh(source: Any) -> int:
+    """The object of a source that is a glowing mesh (`emitters`), 0 for others."""
+    first = source.key[0]
+    return first[1] if isinstance(first, tuple) and first[0] == "emitter" else 0
 
 
 def update_all() -> None:
@@ -83,31 +98,76 @@ def _places(scene: bpy.types.Scene) -> list[Vector]:
     return found
 
 
-def _quick_look(scene: bpy.types.Scene) -> tuple:
-    """Changes whenever a lamp has come or gone; hardly a millisecond in a scene of 20,000 objects."""
-    return len(bpy.data.objects), len(scene.objects), *(light.users for light in bpy.data.lights)
+def _quick_look() -> tuple:
+    """Changes whenever a lamp has come, gone, or was linked elsewhere; nothing here goes through all objects."""
+    known = (bpy.data.objects.get(name) for name in _lamps)
+    users = (ob.users if ob is not None else -1 for ob in known)
+    return len(bpy.data.objects), *(light.users for light in bpy.data.lights), *users
 
 
 @persistent
 def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    if _at_work or not material.any_ours():
+    if _at_work or not material.any_ours() or not _needs_search(depsgraph):
         return
-    kinds = (bpy.types.Light, bpy.types.Collection, bpy.types.Scene, bpy.types.World, bpy.types.NodeTree)
+    update_lights(scene, depsgraph)
+    for each in bpy.data.scenes:
+        if each != scene:
+            update_lights(each)
+
+
+def _needs_search(depsgraph: bpy.types.Depsgraph) -> bool:
+    """Whether an update may be one of lights. What happens all the time is told from it without a search.
+
+    A click that selects and a turn of a setting come as updates of the scene, every turn of a node as one of a tree.
+    """
+    scenes = trees = False
     for update in depsgraph.updates:
         known = update.id
-        if isinstance(known, kinds) or (isinstance(known, bpy.types.Object) and _may_light(known, update)):
-            update_lights(scene, depsgraph)
-            for each in bpy.data.scenes:
-                if each != scene:
-                    update_lights(each)
-            return
+        if isinstance(known, bpy.types.Object):
+            if _may_light(known, update):
+                return True
+        elif isinstance(known, (bpy.types.Light, bpy.types.Collection, bpy.types.World)):
+            return True
+        scenes = scenes or isinstance(known, bpy.types.Scene)
+        trees = trees or isinstance(known, (bpy.types.NodeTree, bpy.types.Material))
+    if scenes and any(_looks.get(each.as_pointer()) != _look(each) for each in bpy.data.scenes if each.is_editable):
+        return True
+    return trees and _glow() != _looks.get(0)
+
+
+def _look(scene: bpy.types.Scene) -> tuple:
+    """What of a scene itself decides its lights: which objects each layer has, world, set, working space."""
+    layers = [(len(layer.objects), *_excluded(layer.layer_collection)) for layer in scene.view_layers]
+    others = [each.as_pointer() if each is not None else 0 for each in (scene.world, scene.background_set)]
+    space = getattr(getattr(bpy.data, "colorspace", None), "working_space", "")
+    return _quick_look(), layers, others, space
+
+
+def _excluded(layer: bpy.types.LayerCollection) -> list[bool]:
+    return [layer.exclude, *(flag for each in layer.children for flag in _excluded(each))]
+
+
+def _glow() -> tuple:
+    """Which materials glow, and how much."""
+    found = ((each.as_pointer(), emitters.strength(each)) for each in bpy.data.materials)
+    return tuple(pair for pair in found if pair[1] > 0.0)
 
 
 def _may_light(ob: bpy.types.Object, update: bpy.types.DepsgraphUpdate) -> bool:
     """Whether an object's change may be one of lights: lamps, empties that show some, what makes instances or glows."""
     if ob.type in {"LIGHT", "EMPTY"}:
         return True
-    return update.is_updated_geometry and (ob.instance_type != "NONE" or bool(ob.modifiers) or bool(ob.material_slots))
+    if not update.is_updated_geometry:
+        return False
+    if _written or ob.instance_type != "NONE" or any(each.type in _MAKES_INSTANCES for each in ob.modifiers):
+        return True
+    if any(ob.original.as_pointer() in found for found in _glowing.values()):
+        return True
+    return any(slot.material is not None and emitters.strength(slot.material) > 0.0 for slot in ob.material_slots)
+
+
+#: Modifiers that may show lamps as instances.
+_MAKES_INSTANCES = {"NODES", "PARTICLE_SYSTEM"}
 
 
 @persistent
@@ -116,6 +176,8 @@ def _file_loaded(*_: object) -> None:
     _said.clear()
     _quick.clear()
     _written.clear()
+    _glowing.clear()
+    _looks.clear()
     group.follow_working_space()
     for sentence in migrate.migrate_all():
         notices.say(sentence)
@@ -152,7 +214,7 @@ def _rendering(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = N
 
 @persistent
 def _frame_changed(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None = None) -> None:
-    if scene.as_pointer() in _written or _quick.get(scene.as_pointer()) != _quick_look(scene):
+    if scene.as_pointer() in _written or _quick.get(scene.as_pointer()) != _quick_look():
         _after_others(scene, depsgraph)
 
 
@@ -162,7 +224,7 @@ def _after_others(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph | None)
     if _at_work or not material.any_ours():
         return
     known = _quick.get(scene.as_pointer())
-    if known is not None and known != _quick_look(scene):
+    if known is not None and known != _quick_look():
         _at_work = True
         try:
             for layer in scene.view_layers:

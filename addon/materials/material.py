@@ -12,7 +12,7 @@ import bpy
 from ...precompute.errors import ParameterError, TableError
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
-from ...precompute.table.table import SpectralTable, read_sidecar
+from ...precompute.table.table import read_sidecar
 from .. import colour_spaces, paths
 from ..versions import give_nodes, tells_mirrored_uv
 from . import frame, osl, pigment, setup, travel
@@ -123,18 +123,13 @@ def atlas_image(path: Path) -> bpy.types.Image:
     return image
 
 
-def importance_image(path: Path, atlas_sha256: str) -> tuple[bpy.types.Image, float]:
+def importance_image(path: Path) -> tuple[bpy.types.Image, float]:
     """The image that directs rays into the environment, beside the table, and the table's albedo-free cosine.
 
-    Made anew for a new table, or where it is of an older version.
+    A bake in Blender has made it; for tables from elsewhere it is made here.
     """
-    target = path.with_name(f"{path.stem}.importance.exr")
-    origin = importance.read_origin(target)
-    if origin is None or origin[0] != atlas_sha256:
-        table = SpectralTable.load(path)
-        origin = (atlas_sha256, importance.albedo_free_cosine(table))
-        importance.save_importance(importance.importance(table).image(), target, *origin)
-    return atlas_image(target), origin[1]
+    target, albedo_free = importance.ensure_importance(path)
+    return atlas_image(target), albedo_free
 
 
 def apply(material: bpy.types.Material, table: str | Path, settings: Settings) -> bpy.types.Material:
@@ -196,12 +191,12 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
     TableError
         If the table is missing or of another version.
     """
-    path = paths.absolute(str(table)).with_suffix(".exr")
+    path = paths.readable(paths.absolute(str(table)).with_suffix(".exr"))
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
     image = atlas_image(path)
-    directions, albedo_free = importance_image(path, sidecar["atlas"]["sha256"])
+    directions, albedo_free = importance_image(path)
     if settings.implementation == "NODES":
         directions.use_half_precision = False  # EEVEE would keep edges of a density in ten bits
         for each in (image, directions):

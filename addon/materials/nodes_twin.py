@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 9
+VERSION = 10
 
 
 def build(
@@ -57,12 +57,13 @@ def build(
 
     def parts(engine: str) -> Parts:
         name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, (layout.width, layout.height), engine)
+        kept = lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None
         return Parts(
             name=f"{name} {built_in}", layout=layout,
-            value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel),
+            value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel, kept),
             albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine)) if conserve else None,
             albedo_free=albedo_free,
-            kept=lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None,
+            kept=kept,
             fresnel=fresnel, conserve=conserve,
         )  # fmt: skip
 
@@ -72,8 +73,9 @@ def build(
     tree.nodes.clear()
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
+    in_eevee = graph.in_eevee()
     knows_directions = lookup.guard(
-        graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT
+        graph, directions, importance.GUARD_X, importance.GUARD_Y, importance.WIDTH, importance.HEIGHT, in_eevee
     )
     surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own), knows_directions))
     random = environment.random_numbers(graph)
@@ -85,7 +87,7 @@ def build(
     shaded = surface.mixed(surface["EEVEE"], cycles, eevee)
     shows = _on_a_surface(graph)
     if layout.guarded:
-        intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height)
+        intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height, in_eevee)
         shows = graph.product(shows, intact)
     shaded = surface.mixed(shows, given["Base"], shaded)
     graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], shaded)
@@ -171,7 +173,7 @@ def by_engine(graph: Graph, cycles: Socket, eevee: Socket) -> list[bpy.types.Nod
 
     Cycles knows the factor 0 when it compiles and drops the branch with its images.
     """
-    flag = graph.in_eevee().node
+    flag: Any = graph.in_eevee().node
     choice = graph.add("ShaderNodeMixShader", label="Cycles or EEVEE")
     for socket, value in zip(choice.inputs, (flag.outputs[0], cycles, eevee), strict=True):
         graph.put(socket, value)

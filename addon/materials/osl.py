@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from ...precompute.constants import LEAST_SCALE
+from ...precompute.constants import LEAST_REFLECTANCE, LEAST_SCALE
 from ...precompute.table import importance, scaled_albedo
 from ...precompute.table.layout import GUARD, GUARD_TOLERANCE, TableLayout
 from ..lights import slots
@@ -52,7 +52,7 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
     numbers["LAMPS_MAX"] = LAMPS_MAX
     numbers["TABLE_ALBEDO_FREE"] = float(albedo_free)
     numbers["TABLE_SCALE_HEADROOM"], numbers["TABLE_DEPTH_HEADROOM"] = layout.headroom
-    numbers["SCALE_LEAST"] = LEAST_SCALE
+    numbers["SCALE_LEAST"], numbers["REFLECTANCE_LEAST"] = LEAST_SCALE, LEAST_REFLECTANCE
     for name in ("N_SCALES", "STEPS", "N_THETA", "N_PHI"):
         numbers[f"SCALED_{name}"] = float(getattr(scaled_albedo, name))
     numbers.update({f"SCALED_DEPTH_{i}": value for i, value in enumerate(scaled_albedo.DEPTHS)})

@@ -132,20 +132,44 @@ def _readable(image: bpy.types.Image) -> str:
 
 def _unpack(image: bpy.types.Image) -> Path:
     """A packed image as a file, with the sidecar that its header carries."""
-    from ...precompute.files.exr import read_text
-
     assert image.packed_file is not None  # of what else would it be a file
     content = image.packed_file.data
     target = unpacked_place(image)
     if not target.is_file() or hashlib.sha256(target.read_bytes()).digest() != hashlib.sha256(content).digest():
         with atomic_path(target) as temporary:
             temporary.write_bytes(content)
-    text = read_text(target)
-    sidecar = target.with_suffix(".json")
-    if text and not target.stem.endswith(".importance"):
-        with atomic_path(sidecar) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
+    _write_sidecar(target)
     return target
+
+
+def _write_sidecar(target: Path) -> None:
+    """The JSON beside a table's EXR, from the text that its header carries."""
+    from ...precompute.files.exr import read_text
+
+    text = read_text(target)
+    if text and not target.stem.endswith(".importance"):
+        with atomic_path(target.with_suffix(".json")) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_sidecar(known: bpy.types.ID) -> None:
+    """The JSON beside the table of one of `owners`, where the EXR stands alone."""
+    home_ = _home(known)
+    if home_.is_file() and not home_.with_suffix(".json").exists():
+        _write_sidecar(home_)
+
+
+def beside(folder: Path) -> list[Path]:
+    """Tables of OSL materials that a .blend in a folder needs beside itself, since OSL reads files alone."""
+    found = {}
+    for each in owners():
+        atlas = each.get(ATLAS)
+        tree: Any = each.node_tree if isinstance(each, bpy.types.Material) else each
+        if isinstance(atlas, bpy.types.Image) and atlas.packed_file is None and tree is not None:
+            script = group.script_of(tree)
+            if script is not None and script.bl_idname == "ShaderNodeScript":
+                found[_home(each)] = None
+    return [path for path in found if path.is_relative_to(folder)]
 
 
 def unpacked_place(image: bpy.types.Image) -> Path:

@@ -13,6 +13,7 @@ from . import (
     fit,
     import_scan,
     make_preset,
+    pack,
     preview_levelling,
     reflectance,
     setting_presets,
@@ -22,7 +23,7 @@ from .painting import paint
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, apply_material, files, brdf_map, reflectance, setting_presets,
-    add_node, add_scales, paint, fit, asset_library, show_image, bake_lights,
+    add_node, add_scales, paint, fit, asset_library, show_image, pack, bake_lights,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

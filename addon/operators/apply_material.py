@@ -16,7 +16,7 @@ from ..given import is_given, take
 from ..lights import gather
 from ..materials import closures, handlers, material, setup
 from ..versions import give_nodes, limits
-from . import slots
+from ..watch import slots
 
 _FROM_PANEL = (
     "implementation",

@@ -11,7 +11,7 @@ from bpy.props import EnumProperty, StringProperty
 
 from ...precompute.errors import ParameterError
 from .. import paths, properties, renderers
-from ..assets import worker
+from ..assets import library, worker
 from ..given import is_given
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
@@ -41,6 +41,12 @@ class DIFFRACTION_OT_make_asset_library(Threaded, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    only: StringProperty(
+        name="Only",
+        description="Names of presets, separated by commas, whose materials are made; empty makes all",
+        options={"SKIP_SAVE"},
+    )
+
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         return not busy(cls)
@@ -51,7 +57,11 @@ class DIFFRACTION_OT_make_asset_library(Threaded, bpy.types.Operator):
         if implementation == "AUTO":
             implementation = renderers.choose(context.scene)[0]
         folder = Path(bpy.path.abspath(self.directory)) if self.directory else paths.asset_folder()
-        command = worker.command(folder / "materials.blend", implementation)
+        only = tuple(name.strip() for name in self.only.split(",") if name.strip())
+        unknown = [name for name in only if name not in {asset.preset for asset in library.ASSETS}]
+        if unknown:
+            raise ParameterError(f"There is no material of {', '.join(unknown)}; take names of presets.")
+        command = worker.command(folder / "materials.blend", implementation, only)
         if not command:
             raise ParameterError("Blender as a module cannot start a second one: run sample_blend/build_assets.py.")
         self._folder = folder

@@ -77,7 +77,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
         source, reading = scan_store.bake_source(context.scene)
         name = self.name or state.table_name or paths.absolute(state.scan_path).stem
         device = self.device if is_given(self, "device") else bake_device()
-        return [BakeJob(source, paths.data_folder(), name, chosen, reading, table_cache(), device)]
+        return [BakeJob(source, paths.readable(paths.data_folder()), name, chosen, reading, table_cache(), device)]
 
     def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The table becomes the scene's, and materials that use it are brought up to it."""
@@ -92,6 +92,8 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
             refresh.refresh(result.path, state.table_recipe)
         except DiffractionError as error:
             self.report({"WARNING"}, str(error))
+        if result.rival:
+            self.report({"WARNING"}, f"{result.rival}.")
         megabytes = texture_bytes(result.table.layout.texel_bytes) / 1e6
         terms, seconds = result.table.info["terms"], result.seconds["total"]
         by = "" if result.cache == "hit" else f" ({cast(BakeJob, self._jobs[0]).device})"

@@ -8,6 +8,7 @@ from typing import Any
 import bpy
 
 from ...precompute.errors import DiffractionError
+from ...precompute.table.facts import energy_lines
 from .. import paths
 from ..jobs import progress
 from ..operators.setting_presets import DIFFRACTION_MT_bake_presets
@@ -135,6 +136,8 @@ def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:
     column = layout.column(align=True)
     note(column, file_name(state.table_path), "CHECKMARK")
     column.label(text=found.summary, icon="BLANK1")
+    for line in energy_lines(found.info):
+        column.label(text=f"Energy, {line}", icon="BLANK1")
     if found.info.get("albedo_max", 0.0) > 1.0 and not state.conserve_energy:
         note(column, "At grazing angles it would reflect more light than it gets: switch Conserve Energy on", "ERROR")
     changed = bake_settings.changed(state.table_recipe, state)

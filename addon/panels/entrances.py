@@ -4,6 +4,7 @@ dropped onto the 3-D view, the shader editor, *Online Manual* on right-click, an
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import bpy
 from ...precompute.presets import PRESETS
 from ...precompute.readers.formats import FORMATS
 from ..paths import manual_page
+from ..watch import report
 
 
 def dropped_extensions() -> str:
@@ -122,10 +124,24 @@ def manual() -> tuple[str, list[tuple[str, str]]]:
 
 
 def command(arguments: list[str]) -> int:
-    """``blender -c diffraction ...``: the same as ``python -m precompute ...``."""
-    from ...precompute.cli import main
+    """``blender -c diffraction ...``: as ``python -m precompute ...``, and ``check`` takes .blend files too."""
+    from ...precompute.cli import EXIT_ERROR, EXIT_FAULTS, main
 
-    return main(arguments)
+    files = arguments[1:]
+    if arguments[:1] != ["check"] or not files or not all(each.endswith(".blend") for each in files):
+        return main(arguments)
+    code = 0
+    for each in files:
+        try:
+            bpy.ops.wm.open_mainfile(filepath=each, use_scripts=False)
+        except RuntimeError as error:
+            print(str(error).strip(), file=sys.stderr)
+            return EXIT_ERROR
+        for scene in bpy.data.scenes:
+            for text in report.before_render(scene):
+                print(f"{each}: {scene.name}: {text}")
+                code = EXIT_FAULTS
+    return code
 
 
 _MENUS = (("TOPBAR_MT_file_import", _import), ("VIEW3D_MT_object", _object), ("NODE_MT_shader_node_add_all", _add_node))

@@ -9,7 +9,7 @@ from .. import pictures
 from ..jobs import progress
 from ..operators.preview_levelling import IMAGE
 from ..tables import estimates
-from .sidebar import Stage, button, note, number, split, vector
+from .sidebar import Stage, button, note, number, split
 
 
 class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
@@ -29,7 +29,8 @@ class DIFFRACTION_PT_levelling(Stage, bpy.types.Panel):
         column.prop(state, "tile")
         column.prop(state, "use_crop")
         if state.use_crop:
-            vector(column, state, "crop_um")
+            for index, side in enumerate(("Left (um)", "Right", "Bottom", "Top")):
+                column.prop(state, "crop_um", index=index, text=side)
         button(layout, "diffraction.preview_levelling", icon="HIDE_OFF")
         icon = pictures.preview_icon(IMAGE)
         if icon:

@@ -11,11 +11,11 @@ import bpy
 from .. import paths, renderers
 from ..lights import keyed, light_list
 from ..materials import material, scale, setup, travel
-from ..operators import slots
 from ..operators.apply_material import closure_bytes
 from ..operators.files import farm_copies, is_fresh
 from ..tables.table_state import READY, table_state
 from ..versions import EEVEE
+from ..watch import slots
 from ..watch.misfits import misfits, why
 from ..watch.places import tables
 from .bake import scene_table
@@ -208,6 +208,11 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             note(layout, "Without this extension a renderer would not find the tables of linked materials")
         if outside or linked:
             layout.operator("diffraction.collect_files", icon="FILE_PARENT")
+        if bpy.data.filepath and travel.beside(paths.absolute("//")):
+            note(layout, "This file needs its folder diffraction/, or carries the tables inside")
+            layout.operator("diffraction.pack", icon="PACKAGE")
+        if bpy.ops.diffraction.unpack.poll():
+            layout.operator("diffraction.unpack", icon="UGLYPACKAGE")
 
 
 class DIFFRACTION_PT_settings(Sidebar, bpy.types.Panel):

@@ -6,10 +6,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from ...precompute.bake.baking import bake_file
+from ...precompute.bake.baking import BakeReport, bake_file
 from ...precompute.parameters import BakeParameters
 from ...precompute.table.cache import TableCache
-from ..jobs.job import Job
+from ...precompute.table.importance import ensure_importance
+from ..jobs.job import Job, Progress
 from .gpu.device import use_gpu
 from .gpu.transforms import GpuTransforms
 
@@ -46,8 +47,9 @@ class BakeJob(Job):
         cache: TableCache | None = None,
         device: str = "CPU",
     ) -> None:
-        super().__init__(
-            lambda progress: bake_file(
+
+        def work(progress: Progress) -> BakeReport:
+            report = bake_file(
                 source,
                 out_dir,
                 parameters,
@@ -57,7 +59,11 @@ class BakeJob(Job):
                 transforms=self._transforms,
                 **reading,
             )
-        )
+            progress("directions", 1.0)
+            ensure_importance(report.path, report.table)  # here and not in Apply, for which the window would wait
+            return report
+
+        super().__init__(work)
         self._transforms = GpuTransforms(self.on_main, race=device == "AUTO") if use_gpu(device) else None
 
     @property

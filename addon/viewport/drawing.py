@@ -102,6 +102,7 @@ class Renderer:
         loose_depth: bool = False,
         asks: Manners = PLAIN,
         around: Surroundings | None = None,
+        moved: tuple[float, float] = (0.0, 0.0),
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
 
@@ -125,6 +126,9 @@ class Renderer:
             What the view asks of whoever draws in it.
         around
             What surrounds the scene; None: its world.
+        moved
+            Of a picture that is the mean of several drawings: where this one looks into the surroundings, see
+            `blocks.Frame`.
         """
         attempt = (self.version, view)
         if self._failed == attempt:
@@ -133,8 +137,9 @@ class Renderer:
             skips = skips_nodes and view.surface == "ADD"
             listing = self._listing(depsgraph, visible, list_key, skips)
             count = self._draw(
-                listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around
-            )
+                listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around,
+                moved,
+            )  # fmt: skip
         except DiffractionError as error:
             self._fail(attempt, str(error))
             return 0
@@ -153,6 +158,7 @@ class Renderer:
     def _draw(
         self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
         view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
+        moved: tuple[float, float],
     ) -> int:  # fmt: skip
         import gpu
 
@@ -171,7 +177,7 @@ class Renderer:
         exposure = depsgraph.scene.original.view_settings.exposure
         frame = blocks.Frame(
             view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
-            clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None,
+            clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None, moved=moved,
         )  # fmt: skip
         view = replace(view, brightness=view.brightness * asks.see_through)
         shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
@@ -243,7 +249,8 @@ class Renderer:
         if turned is not None and painted is None:
             shader.uniform_sampler("df_angle", gpu.texture.from_image(turned[0]))
         if "MASKED" in flags:
-            shader.uniform_sampler("df_mask", gpu.texture.from_image(masks.of(shaded).image))
+            where: Any = masks.of(shaded).image
+            shader.uniform_sampler("df_mask", gpu.texture.from_image(where))
         if view.method == "FLSS":
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)

@@ -70,7 +70,8 @@ def gather(
         ob = instance.object
         kind = ob.type
         if kind == "LIGHT":
-            if instances.is_made_lamp(instance) and visible(instance.parent.original):
+            maker: Any = instance.parent
+            if instances.is_made_lamp(instance) and visible(maker.original):
                 made.append(MadeLamp(ob.name, ob.data, instance.matrix_world.copy()))
             continue
         if kind not in surfaces or not instance.show_self:

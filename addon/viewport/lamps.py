@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from typing import Any
 
 import bpy
 import numpy as np
@@ -74,7 +75,7 @@ def _glow_rows(ob: bpy.types.Object, colour: tuple[float, float, float]) -> np.n
     middle, radius = emitters.ball(ob)
     world = ob.matrix_world
     rows = np.zeros((6, 4))
-    rows[0] = *(world @ middle), LAMP_KINDS["BALL"]
+    rows[0] = *tuple(world @ middle), LAMP_KINDS["BALL"]
     rows[4, :3] = np.array(colour) * emitters.shadow_area(ob)
     rows[4, 3] = radius * max(world.to_scale())
     return rows
@@ -106,7 +107,8 @@ def lamp_rows(ob: lights.LampObject | MadeLamp) -> np.ndarray | None:
     a sun the irradiance of its strength. Without "normalize" the radiance is P / pi whatever the size. Light
     nodes are not evaluated.
     """
-    lamp, light = lights.describe(ob), ob.data
+    described: Any = ob  # what the depsgraph made is used like an object
+    lamp, light = lights.describe(described), ob.data
     power = np.array(lamp.colour) * lamp.energy
     normalised = getattr(light, "normalize", True)
     if not power.any():

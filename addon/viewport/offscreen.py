@@ -174,7 +174,7 @@ def render(
                 below = read(target)
             # EEVEE leaves no depth behind, and Workbench one that is not moved within the pixels.
             with _look(space, "SOLID", depth_only=True):
-                for offset in pixel_offsets(samples, filter_width(scene)):
+                for index, offset in enumerate(pixel_offsets(samples, filter_width(scene))):
                     moved = projection.copy()
                     moved[:2] -= np.outer(2.0 * offset / (width, height), projection[3])
                     draw_scene(moved)
@@ -187,6 +187,8 @@ def render(
                             list_key=1,
                             asks=asks,
                             around=around,
+                            # The drawings share the sphere out: together they look in more directions.
+                            moved=(index * 0.7548776662466927 % 1.0, index * 0.5698402909980532 % 1.0),
                             skips_nodes=shading != "SOLID",
                         )  # fmt: skip
                     if renderer.message:

@@ -25,7 +25,9 @@ from ..stack import Material, Stack, fresnel_exact
 from ..stack import to_json as stack_to_json
 from ..table.albedo import SECTORS, albedo_map
 from ..table.cache import TableCache, origin, table_key
+from ..table.facts import lost_share
 from ..table.layout import TableLayout, put_guard
+from ..table.rivals import Rivals
 from ..table.table import SpectralTable
 from .balance import balance
 from .budget import check_bake, check_scan
@@ -69,6 +71,8 @@ class BakeReport:
         ``none``, ``hit`` (nothing was computed), ``stored`` or ``not stored`` (no room or no permission).
     notes
         What was chosen, assumed or filled in on the way, one sentence each.
+    rival
+        The note on another process that baked the same name meanwhile; empty where none did.
     """
 
     path: Path
@@ -76,6 +80,7 @@ class BakeReport:
     seconds: dict[str, float] = field(default_factory=dict)
     cache: str = "none"
     notes: tuple[str, ...] = ()
+    rival: str = ""
 
 
 class _Stages:
@@ -201,19 +206,21 @@ def bake_file(
     scan = read_scan_or_part(path, parameters.crop_m, **reading)
     folder = ensure_folder(out_dir)
     remove_stale(folder)
+    target = folder / f"{name or Path(path).stem}.exr"
+    rivals = Rivals(target)
     stages.done("read")
     table, found = _cached_bake(scan, parameters, stages, cache, memory_bytes, transforms)
     stages.report("write", 0.97)
-    target = folder / f"{name or Path(path).stem}.exr"
     if parameters.series != "nodes":
         from .terms import save_terms
 
         # Before the table: whoever finds the table and its key finds its terms.
         save_terms(prepare(scan, parameters), parameters, target, table.info["key"])
-    written = table.save(target)
+    written, rival = rivals.save(table)
     stages.done("write")
     stages.report("done", 1.0)
-    return BakeReport(written, table, stages.seconds, found, _notes(scan, table))
+    notes = _notes(scan, table) + ((rival,) if rival else ())
+    return BakeReport(written, table, stages.seconds, found, notes, rival)
 
 
 def _notes(scan: HeightField, table: SpectralTable) -> tuple[str, ...]:
@@ -368,7 +375,12 @@ def _bake(
         },
         "terms": polar.series.terms or len(nodes),
         "albedo_max": float(conserving.max()),
-        "energy": {"model": parameters.energy, "albedo_max_xyz": float(albedo.max()), "share_cut": kept.share_cut},
+        "energy": {
+            "model": parameters.energy,
+            "albedo_max_xyz": float(albedo.max()),
+            "share_cut": kept.share_cut,
+            "share_lost": lost_share(albedo),
+        },
     }
     if stack is not None:
         info["stack"] = {**(stack_to_json(stack) or {}), "text": str(stack), "notes": list(stack.notes)}

@@ -65,6 +65,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
 def describe(result: dict[str, Any]) -> str:
     """One line a stage."""
+    from ..table.facts import energy_lines
+
     memory = result["peak_rss_bytes"]
     lines = [
         f"table        {result['table']}",
@@ -72,7 +74,7 @@ def describe(result: dict[str, Any]) -> str:
         f"texels       {result['bytes'] / 1e6:.1f} MB",
         f"peak memory  {'unknown' if memory is None else f'{memory / 1e6:.0f} MB'}",
         f"albedo       at most {result['albedo_max']:.3f}",
-        f"energy       {result['energy']['model']}, {100 * result['energy']['share_cut']:.1f} % of even light is cut",
+        *(f"energy       {line}" for line in energy_lines(result)),
         f"cache        {result['cache']}",
     ]
     if "stack" in result:

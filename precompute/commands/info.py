@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Say what a scan holds: shape, size, heights, channel."""
+"""Say what a scan or a table holds: shape, size, heights, channel; terms, energy."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
-    """See `precompute.scan.info.scan_info`."""
+    """See `precompute.scan.info.scan_info` and `precompute.table.facts.table_facts`."""
+    from ..table.facts import is_table, table_facts
+
+    if is_table(args.file):
+        return table_facts(args.file)
     from ..scan.clipping import crop
     from ..scan.info import scan_info
 
@@ -28,6 +32,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
 def describe(result: dict[str, Any]) -> str:
     """In micrometres and nanometres."""
+    if "table" in result:
+        return _of_table(result)
     rows, cols = result["shape"]
     x, y = (1e6 * side for side in result["size_m"])
     low, high, rms = (1e9 * result[key] for key in ("z_min_m", "z_max_m", "rms_m"))
@@ -39,3 +45,14 @@ def describe(result: dict[str, Any]) -> str:
             f"{result['missing']} missing points",
         )
     )
+
+
+def _of_table(result: dict[str, Any]) -> str:
+    from ..table.facts import energy_lines
+
+    lines = [f"table of format {result['format_version']}, {result['texels'][0]} x {result['texels'][1]} texels"]
+    if result["scan"]:
+        size = result["size_m"]
+        lines.append(f"of {result['scan']}" + (f", {1e6 * size[0]:.6g} um x {1e6 * size[1]:.6g} um" if size else ""))
+    lines += [f"{result['terms']} terms", f"albedo at most {result['albedo_max']:.3f}"]
+    return "\n".join([*lines, *(f"energy, {line}" for line in energy_lines(result))])

@@ -132,6 +132,11 @@ def add_stack(parser: argparse.ArgumentParser) -> None:
         help="what the surface is made of: a name such as Au or keratin, an index, n,k or a file; its reflectance goes"
         " into the table",
     )
+    add_film(parser)
+
+
+def add_film(parser: argparse.ArgumentParser) -> None:
+    """--film."""
     parser.add_argument(
         "--film",
         action="append",
@@ -144,13 +149,18 @@ def add_stack(parser: argparse.ArgumentParser) -> None:
 def add_stuff(parser: argparse.ArgumentParser) -> None:
     """`add_stack`, --lacquer and --energy."""
     add_stack(parser)
-    parser.add_argument("--lacquer", metavar="MATERIAL", help="a clear layer over the relief")
+    add_lacquer(parser)
     parser.add_argument(
         "--energy",
         choices=ENERGY,
         default=BakeParameters().energy,
         help="'capped' cuts each wavelength by its own excess inside the table; by default renderers divide",
     )
+
+
+def add_lacquer(parser: argparse.ArgumentParser) -> None:
+    """--lacquer."""
+    parser.add_argument("--lacquer", metavar="MATERIAL", help="a clear layer over the relief")
 
 
 def stuff(args: argparse.Namespace) -> dict[str, Any]:
@@ -306,7 +316,9 @@ def scaled(args: argparse.Namespace, table: SpectralTable) -> tuple[Any, dict[st
             " --scale-headroom or --depth-headroom for more."
         )
     if changed.approximate:
-        notes.append("The stack's reflectance is taken at the angle of the scaled coordinates, which is approximate.")
+        notes.append(
+            "The stack's reflectance at the scaled coordinates is corrected in X, Y and Z alone, which is approximate."
+        )
     if notes:
         note["note"] = " ".join(notes)
     return changed, note

@@ -41,7 +41,7 @@ def order_directions(period_m: float, wavelength_m: float, theta_i: float) -> tu
     """
     for name, value in (("period", period_m), ("wavelength", wavelength_m)):
         if not (np.isfinite(value) and value > 0):
-            raise ParameterError(f"A {name} of {value} m makes no sense; give a positive length.")
+            raise ParameterError(f"A {name} of {1e9 * value:.6g} nm makes no sense; give a positive length.")
     if not 0.0 <= theta_i < 0.5 * np.pi:
         raise ParameterError(f"The angle of incidence is {np.degrees(theta_i):g} degrees; give 0 to below 90.")
     furthest = int(2.0 * period_m / wavelength_m) + 1

@@ -15,7 +15,7 @@ from functools import cached_property, lru_cache
 
 import numpy as np
 
-from ..constants import LEAST_SCALE
+from ..constants import LEAST_REFLECTANCE, LEAST_SCALE
 from ..errors import ParameterError
 from ..table.albedo import albedo_map
 from ..table.scaled_albedo import look_up, scaled_albedos
@@ -65,6 +65,11 @@ def scaled_transform(
     cosine, sine = np.cos(rotation), np.sin(rotation)
     along, across = cosine * u + sine * v, cosine * np.asarray(v) - sine * u
     value = table.transform(s * along, s * across, q * w)
+    if table.has_stack and table.index == 1.0:
+        # |(u, v, w)| = 2 cos(half-angle), where the stack's R is taken: that of the true directions counts.
+        square, w2 = np.asarray(u) ** 2 + np.asarray(v) ** 2, np.asarray(w) ** 2
+        own, taken = (np.minimum(0.5 * np.sqrt(each), 1.0) for each in (square + w2, s**2 * square + q**2 * w2))
+        value = value * table.reflectance(own) / np.maximum(table.reflectance(taken), LEAST_REFLECTANCE)
     return np.broadcast_to(s**2, value.shape[:-1])[..., None] * value
 
 
@@ -96,9 +101,10 @@ class ScaledTable:
 
     @property
     def approximate(self) -> bool:
-        """Whether the reflectance of a stack in the table is taken at an angle that is not the surface's own.
+        """Whether the reflectance of a stack in the table is known approximately only.
 
-        ``|(u, v, w)| = 2 cos(half-angle)``, and the table looks it up at (s u, s v, q w).
+        ``|(u, v, w)| = 2 cos(half-angle)``, and the table has it at (s u, s v, q w): the ratio of X, Y and Z at both
+        angles corrects it, which is not what it is at each wavelength. Under a lacquer it is not corrected.
         """
         return self.has_stack and (self.scale, self.depth) != (1.0, 1.0)
 

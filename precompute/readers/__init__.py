@@ -141,11 +141,15 @@ def channel_names(path: str | os.PathLike[str]) -> list[str]:
         return [channel.label for channel in find_format(path).read(path)]
 
 
+def _um(sides: tuple[float, ...]) -> str:
+    return " x ".join(f"{1e6 * side:.6g}" for side in sides) + " um"
+
+
 def _check_user_scale(size_m: tuple[float, float] | None, height_m: float | None) -> None:
     if size_m is not None and (len(tuple(size_m)) != 2 or not all(np.isfinite(size) and size > 0 for size in size_m)):
-        raise ScanError(f"The size {tuple(size_m)} m makes no sense; give two positive side lengths.")
+        raise ScanError(f"The size {_um(size_m)} makes no sense; give two positive side lengths.")
     if height_m is not None and not (np.isfinite(height_m) and height_m > 0):
-        raise ScanError(f"The height range {height_m} m makes no sense; give a positive height.")
+        raise ScanError(f"The height range of {1e9 * height_m:.6g} nm makes no sense; give a positive height.")
 
 
 def _first_plausible(

@@ -24,6 +24,10 @@ FILMS_MAX, THICKEST_M = 400, 25e-6
 #: Angles a fringe: linear interpolation between them errs by a part of 2e-4 of it.
 _ANGLES_A_FRINGE, _ANGLES_LEAST, _ANGLES_MOST = 160, 513, 16385
 
+#: Angles, in all and a fringe, that R is reckoned at first; what a spline through them may err by before there are
+#: twice as many, nearer to the normal than the cosine `_GRAZING`, below which no slice of a table lies.
+_FIRST_STEPS, _FIRST_A_FRINGE, _SPLINE_ERROR, _GRAZING = 64, 8, 8e-4, 0.03
+
 _GROUP = re.compile(r"^\((.*)\)\s*[xX*]\s*(\S+)$", re.DOTALL)
 _HOW = "write MATERIAL:NM, for instance SiO2:250, or (MATERIAL:NM,MATERIAL:NM)xTIMES"
 
@@ -155,9 +159,26 @@ class Stack:
         optical = sum(
             film.thickness_m * abs(film.material.index(np.array([WAVELENGTH_MIN_M]))[0].real) for film in self.layers
         )
-        count = int(_ANGLES_A_FRINGE * 2.0 * optical / WAVELENGTH_MIN_M)
-        cosines = np.linspace(0.0, 1.0, min(max(_ANGLES_LEAST, count + 1), _ANGLES_MOST))
-        return cosines, self.reflectance(wavelengths_m, cosines, outer)
+        fringes = 2.0 * optical / WAVELENGTH_MIN_M
+        fine = min(max(_ANGLES_LEAST, int(_ANGLES_A_FRINGE * fringes) + 1), _ANGLES_MOST)
+        wanted = np.linspace(0.0, 1.0, fine)
+        steps = max(_FIRST_STEPS, int(_FIRST_A_FRINGE * fringes))
+        cosines = np.linspace(0.0, 1.0, steps + 1)
+        found = self.reflectance(wavelengths_m, cosines, outer)
+        # Half the step until a spline foretells what lies between.
+        while len(cosines) < fine:
+            from scipy.interpolate import CubicSpline
+
+            spline = CubicSpline(cosines, found, axis=1)
+            between = 0.5 * (cosines[1:] + cosines[:-1])
+            exact = self.reflectance(wavelengths_m, between, outer)
+            off = np.abs(spline(between) - exact)[:, between > _GRAZING].max()
+            cosines, both = np.linspace(0.0, 1.0, 2 * len(cosines) - 1), np.empty((len(found), 2 * len(cosines) - 1))
+            both[:, ::2], both[:, 1::2] = found, exact
+            found = both
+            if off < _SPLINE_ERROR:
+                return wanted, np.clip(CubicSpline(cosines, found, axis=1)(wanted), 0.0, 1.0)
+        return cosines, found
 
 
 def parse_stack(substrate: Any, films: Iterable[Any] = ()) -> Stack | None:

@@ -20,6 +20,9 @@ import numpy as np
 #: Smallest cosine that is told from the horizon, where everything reflects.
 _LEAST_COS = 1e-7
 
+#: Values a block, and films and faces whose values are kept within one.
+_BLOCK, _KEPT = 16384, 24
+
 
 def reflectance(
     indices: Sequence[np.ndarray], thicknesses_m: Sequence[float], wavelengths_m: np.ndarray, cos_theta: np.ndarray
@@ -42,42 +45,79 @@ def reflectance(
     ndarray
         ``(L, C)`` in [0, 1].
     """
-    lam = np.asarray(wavelengths_m, float)[:, None]
-    cos = np.maximum(np.asarray(cos_theta, float), _LEAST_COS)[None, :]
+    lam = np.asarray(wavelengths_m, float)
+    cos = np.maximum(np.asarray(cos_theta, float), _LEAST_COS)
+    found = np.empty((len(lam), len(cos)))
+    # Blocks that stay in the processor's cache; what repeats is the same object in each of them.
+    rows = max(1, _BLOCK // max(len(cos), 1))
+    for low in range(0, len(lam), rows):
+        block = slice(low, low + rows)
+        cut: dict[int, np.ndarray] = {}
+        for index in indices:
+            cut.setdefault(id(index), np.asarray(index)[block])
+        found[block] = _block([cut[id(index)] for index in indices], thicknesses_m, lam[block], cos)
+    return found
+
+
+def _block(
+    indices: Sequence[np.ndarray], thicknesses_m: Sequence[float], wavelengths_m: np.ndarray, cos_theta: np.ndarray
+) -> np.ndarray:
+    """`reflectance` of a few wavelengths; films and faces that come again are reckoned once."""
+    lam, cos = wavelengths_m[:, None], cos_theta[None, :]
     outer = np.asarray(indices[0]).real[:, None]
     # n sin(theta) is the same in every medium (Snell).
     tangential = outer**2 * (1.0 - cos**2)
-    done: dict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}
+    media: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
-    def medium(index: np.ndarray, which: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """n cos(theta) and the admittances of s and p; a material that comes again is reckoned once."""
+    def medium(which: int) -> tuple[np.ndarray, np.ndarray]:
+        """The admittances of s, which is n cos(theta), and of p."""
         if which == 0:
             along = outer * cos + 0j
-        elif id(index) in done:
-            return done[id(index)]
-        else:
+            return along, along / outer**2
+        key = id(indices[which])
+        if key not in media:
+            square = np.asarray(indices[which], complex)[:, None] ** 2
             # The principal root travels inwards and fades there.
-            along = np.sqrt(np.asarray(index, complex)[:, None] ** 2 - tangential)
-        found = along, along, along / np.asarray(index, complex)[:, None] ** 2
-        if which:
-            done[id(index)] = found
-        return found
+            along = np.sqrt(square - tangential)
+            media[key] = along, along / square
+        return media[key]
 
-    below = medium(indices[-1], len(indices) - 1)
-    reflected: list[np.ndarray | None] = [None, None]
-    for which in range(len(indices) - 2, -1, -1):
-        here = medium(indices[which], which)
-        for polarisation in (0, 1):
-            above, under = here[1 + polarisation], below[1 + polarisation]
-            r = (above - under) / (above + under)
-            inner = reflected[polarisation]
-            if inner is not None:
-                turn = inner * np.exp((4j * np.pi * thicknesses_m[which]) / lam * below[0])
-                r = (r + turn) / (1.0 + r * turn)
-            reflected[polarisation] = r
-        below = here
-    s, p = (np.abs(r) ** 2 for r in reflected if r is not None)
-    return np.clip(0.5 * (s + p), 0.0, 1.0)
+    keys = [(id(index), thickness) for index, thickness in zip(indices[1:-1], thicknesses_m, strict=True)]
+    last = len(indices) - 1
+    trips: dict[tuple[int, float], np.ndarray] = {}
+    faces: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
+
+    def trip(which: int) -> np.ndarray:
+        """There and back through a film."""
+        key = keys[which - 1]
+        if key in trips:
+            return trips[key]
+        turn = np.exp((4j * np.pi * thicknesses_m[which - 1]) / lam * medium(which)[0])
+        if len(trips) < _KEPT:
+            trips[key] = turn
+        return turn
+
+    def face(above: int, below: int) -> tuple[np.ndarray, np.ndarray]:
+        """Amplitudes that the face between two media reflects."""
+        key = (-1 if above == 0 else id(indices[above]), id(indices[below]))
+        if key in faces:
+            return faces[key]
+        found = tuple((a - b) / (a + b) for a, b in zip(medium(above), medium(below), strict=True))
+        if len(faces) < _KEPT:
+            faces[key] = found[0], found[1]
+        return found[0], found[1]
+
+    s, p = face(last - 1, last)
+    for which in range(last - 2, -1, -1):
+        turn = trip(which + 1)
+        r_s, r_p = face(which, which + 1)
+        s, p = s * turn, p * turn
+        s, p = (r_s + s) / (1.0 + r_s * s), (r_p + p) / (1.0 + r_p * p)
+    return np.clip(0.5 * (_square(s) + _square(p)), 0.0, 1.0)
+
+
+def _square(amplitude: np.ndarray) -> np.ndarray:
+    return amplitude.real**2 + amplitude.imag**2
 
 
 def fresnel_conductor(n: float | np.ndarray, k: float | np.ndarray, cos_theta: np.ndarray) -> np.ndarray:

@@ -47,7 +47,7 @@ from ..files.atomic import atomic_path
 from ..files.exr import write_image
 from . import scaled_albedo
 from .layout import GUARD, GUARD_SIDE, TableLayout
-from .table import SpectralTable
+from .table import SpectralTable, read_sidecar
 
 #: Polar angles of the views, steps of the radius, rows of angles, steps of the angle.
 N_VIEWS, N_R, N_ROWS, N_PHI = 14, 256, 36, 36
@@ -412,6 +412,36 @@ def read_origin(path: str | os.PathLike[str]) -> tuple[str, float] | None:
             return header["atlasSha256"], float(header["albedoFreeCosine"])
     except Exception:  # whatever is wrong with it, it is made anew
         return None
+
+
+def ensure_importance(path: str | os.PathLike[str], table: SpectralTable | None = None) -> tuple[Path, float]:
+    """The image beside a table and the table's albedo-free cosine; made where it is missing, or of another table.
+
+    Half a second's work: a window does it in the thread of its bake.
+
+    Parameters
+    ----------
+    path
+        The table's EXR.
+    table
+        The same table where it is at hand; else it is read where it is needed.
+
+    Raises
+    ------
+    TableError
+        If the table cannot be read.
+    OutputError
+        If the folder cannot be written.
+    """
+    path = Path(path)
+    target = path.with_name(f"{path.stem}.importance.exr")
+    atlas_sha256 = read_sidecar(path)["atlas"]["sha256"]
+    origin = read_origin(target)
+    if origin is None or origin[0] != atlas_sha256:
+        table = SpectralTable.load(path) if table is None else table
+        origin = (atlas_sha256, albedo_free_cosine(table))
+        save_importance(importance(table).image(), target, *origin)
+    return target, origin[1]
 
 
 def load_image(path: str | os.PathLike[str]) -> np.ndarray:

@@ -127,7 +127,7 @@ class Desk:
         """
         pattern = what.pattern if isinstance(what, re.Pattern) else re.escape(what) + r"(?![a-zA-Z_])"
         near = next((place for text, *place in self._places if re.search(pattern, text)), None)
-        for tries in range(7):
+        for tries in range(10):
             found = self.driver.sweep(begin=near[1] if near else None, until=pattern, share=share)
             self._remember(found)
             if found and re.search(pattern, found[-1][0]):
@@ -136,7 +136,7 @@ class Desk:
                 if re.search(pattern, self.run("print(under())")):
                     return place
             near = None
-            self.scroll(30 if tries == 0 else -14)
+            self.scroll(40 if tries == 0 else -8)
         seen = "\n".join(text for text, _, _ in self._places)
         raise AssertionError(f"{what} is not in the sidebar, which shows\n{seen}")
 

@@ -56,7 +56,7 @@ def test_table_of_freezes(enabled, scan, capsys):
     )
     measure("import of 1024 x 1024 heights", lambda: (enabled.run(imports), enabled.settle(), enabled.wait()))
     measure("preview of the levelling", lambda: enabled.press("diffraction.preview_levelling"))
-    enabled.run("bpy.context.scene.diffraction.use_crop = True\nbpy.context.scene.diffraction.crop_um = (0, 0, 20, 20)")
+    enabled.run("bpy.context.scene.diffraction.use_crop = True\nbpy.context.scene.diffraction.crop_um = (0, 20, 0, 20)")
     measure("bake of 20 x 20 um", lambda: enabled.press("diffraction.bake"))
     enabled.choose("implementation", "NODES")
     measure("apply, Nodes", lambda: enabled.press("diffraction.apply_material"))

@@ -148,6 +148,8 @@ def main():
     parser.add_argument("--samples", type=int, default=64)
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--width", type=int, default=bench_cycles.WIDTH, help="pixels; three quarters as high")
+    parser.add_argument("--kinds", nargs="*", default=["OSL", "NODES"], help="implementations whose cost is measured")
+    parser.add_argument("--no-noise", action="store_true")
     parser.add_argument("--structures", nargs="+", default=["sinusoid", "foil", "snake", "blazed"])
     arguments = parser.parse_args()
     bench_cycles.WIDTH, bench_cycles.HEIGHT = arguments.width, arguments.width * 3 // 4
@@ -179,7 +181,7 @@ def main():
             if number == 0:
                 paint = make_paint("glitter", 1e-6, 1024, least_scale=0.5)
                 image = paint_nodes.load(save_paint(paint, Path(folder) / "p.exr"))
-                for kind in ("OSL", "NODES"):
+                for kind in arguments.kinds:
                     made = {
                         "constant": ours(body, table, kind), "painted": ours(body, table, kind, image),
                         "principled": principled(), "principled, images": principled(image),
@@ -195,6 +197,8 @@ def main():
                     words.append(f"painted {(found['painted'] - images) / found['constant']:.3f} without its images,")
                     words.append(f"{found['painted'] / found['constant']:.3f} with them")
                     print(f"{kind}: {' '.join(words)}", {k: round(v, 2) for k, v in found.items()}, flush=True)
+            if arguments.no_noise:
+                break
             mesh = bpy.data.meshes.new("plane")
             mesh.from_pydata([(-9, -9, 0), (9, -9, 0), (9, 9, 0), (-9, 9, 0)], [], [(0, 1, 2, 3)])
             mesh.uv_layers.new(name="UVMap")

@@ -2,7 +2,7 @@
 """Make every picture of docs/ anew, in docs/pictures/, and the numbers of the pages that hold measurements.
 
 The BRDF map comes from the demo, so it shows what the installed extension does. Pictures of Blender's own
-window (window.png, panel_*.png) are the only ones that need a display; they are taken by hand.
+window (window.png, panel_*.png) are the only ones that need a display; tests/window/test_guide.py takes them.
 """
 
 import shutil

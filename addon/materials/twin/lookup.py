@@ -70,11 +70,14 @@ def _blended(graph: Graph, image: bpy.types.Image, sides: tuple[int, int], place
     return graph.mix(part[1], *rows)
 
 
-def guard(graph: Graph, image: bpy.types.Image, x: float, y: float, width: float, height: float) -> Socket:
+def guard(
+    graph: Graph, image: bpy.types.Image, x: float, y: float, width: float, height: float, in_eevee: Socket
+) -> Socket:
     """1 where a texel in the middle of a guard holds what was written there, 0 where the renderer got another image."""
     place = graph.join((x + 0.5) / width, (y + 0.5) / height, 0.0)
-    # Linear in EEVEE too: a place that is the same for all pixels is looked up in the image itself.
-    off = graph.scalar("DISTANCE", _fetch(graph, image, "Linear", place), GUARD)
+    # EEVEE would take a smaller copy of the image, of which it knows no derivative here.
+    texel = graph.mix(in_eevee, *(_fetch(graph, image, kind, place) for kind in ("Linear", "Closest")))
+    off = graph.scalar("DISTANCE", texel, GUARD)
     return graph.math("LESS_THAN", off, GUARD_TOLERANCE)
 
 

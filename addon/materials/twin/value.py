@@ -3,8 +3,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import bpy
 
+from ....precompute.constants import LEAST_REFLECTANCE
 from ....precompute.table.layout import TableLayout
 from ..node_graph import Graph, Socket, Value, interface, new_group
 from . import lookup
@@ -15,7 +18,9 @@ _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 INDICES = {"NONE": (), "SCHLICK": ("R0",), "DIELECTRIC": ("IOR",), "CONDUCTOR": ("ConductorN", "ConductorK")}
 
 
-def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: str) -> bpy.types.NodeTree:
+def value(
+    name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: str, kept: bpy.types.NodeTree | None = None
+) -> bpy.types.NodeTree:
     """Group that gives f cos(theta_i) R as RGB, but for the factor that all directions share, ``scale / (4 cos_r)``
     times ``s^2 q^power`` of a painted surface.
 
@@ -25,7 +30,7 @@ def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: st
     """
     tree = new_group(f"Diffraction value {name} {fresnel.lower()}")
     sockets: dict[str, tuple[str, object]] = {
-        each: (_FLOAT, None) for each in ("Square", "Turn", "W", "Scale2", "Depth")
+        each: (_FLOAT, None) for each in ("Square", "Turn", "W", "Scale2", "Depth", "IsScaled")
     }
     sockets |= {each: (_VECTOR, None) for each in ("Red", "Green", "Blue")}
     sockets |= {each: (_VECTOR if fresnel == "CONDUCTOR" else _FLOAT, None) for each in INDICES[fresnel]}
@@ -35,6 +40,8 @@ def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: st
     square, w = given["Square"], given["W"]
     places = {"Square": graph.product(square, given["Scale2"]), "W": graph.product(w, given["Depth"])}
     xyz = graph.group(table, Turn=given["Turn"], EEVEE=given["EEVEE"], **places).outputs["Value"]
+    if kept is not None and layout.index == 1.0:
+        xyz = _corrected(graph, kept, given, xyz)
     rgb = _into_gamut(graph, xyz, [given[each] for each in ("Red", "Green", "Blue")])
     h2 = graph.fused(w, w, square)
     factor = graph.quotient(graph.product(h2, h2), w)
@@ -53,6 +60,23 @@ def value(name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: st
             rgb = graph.vector("MULTIPLY", rgb, conductor(graph, given["ConductorN"], given["ConductorK"], cos_half))
     graph.put(graph.add("NodeGroupOutput").inputs["Value"], graph.scaled(rgb, factor))
     return tree
+
+
+def _corrected(graph: Graph, kept: bpy.types.NodeTree, given: Any, xyz: Socket) -> Socket:
+    """The reflectance of a stack inside, of a painted surface, at the true half-angle, see ``shaders/brdf.osl``."""
+    square, w2 = given["Square"], graph.product(given["W"], given["W"])
+    depth2 = graph.product(given["Depth"], given["Depth"])
+    sums = (graph.sum(square, w2), graph.fused(square, given["Scale2"], graph.product(w2, depth2)))
+    own, taken = (
+        graph.group(
+            kept, Cosine=graph.math("MINIMUM", graph.product(graph.math("SQRT", each), 0.5), 1.0), EEVEE=given["EEVEE"]
+        ).outputs["XYZ"]
+        for each in sums
+    )
+    taken = graph.vector("MAXIMUM", taken, (LEAST_REFLECTANCE,) * 3)
+    more = graph.vector("SUBTRACT", graph.vector("DIVIDE", own, taken), (1.0, 1.0, 1.0))
+    # A product with 0 is dropped where nothing is painted.
+    return graph.vector("MULTIPLY_ADD", graph.scaled(more, given["IsScaled"]), xyz, xyz)
 
 
 def _into_gamut(graph: Graph, xyz: Socket, rows: list[Socket]) -> Socket:

@@ -47,6 +47,8 @@ class Frame:
         At most six planes (a, b, c, d) in world space; what lies behind one of them is not drawn.
     sky
         ``(4, 4)`` rows of an image of the surroundings, see `Sky`; None has none.
+    moved
+        Two parts of one by which the directions into an image of the surroundings are moved.
     border
         Left, bottom, right and top in pixels, outside of which nothing is drawn.
     """
@@ -61,6 +63,7 @@ class Frame:
     clip: tuple[tuple[float, float, float, float], ...] = ()
     border: tuple[float, float, float, float] | None = None
     sky: np.ndarray | None = None
+    moved: tuple[float, float] = (0.0, 0.0)
 
     def rows(self) -> np.ndarray:
         """``(23 + 6 LAMPS_MAX, 4)``."""
@@ -73,7 +76,7 @@ class Frame:
             rows[8] = *to_world[:3, 3], 1.0
         else:
             rows[8] = *(to_world[:3, 2] / np.linalg.norm(to_world[:3, 2])), 0.0
-        rows[9, :2] = len(self.lamps), self.points
+        rows[9] = len(self.lamps), self.points, *self.moved
         side = DISPLAY_SIDE
         gain = DISPLAY_GAIN * 2.0**self.exposure
         rows[10] = gain, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side

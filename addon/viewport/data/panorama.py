@@ -147,7 +147,7 @@ def _suns(world: bpy.types.World) -> Iterator[tuple[float, float, float, float]]
     """Direction and radius of the suns of a world's skies."""
     for source in worlds.of_world(world):
         numbers = [entry if isinstance(entry, (int, float)) else entry.value() for entry in source.entries]
-        if source.key[0] == "sky" and numbers[3] > 0.0 and numbers[7] > 0.0:
+        if isinstance(source.key, tuple) and source.key[0] == "sky" and numbers[3] > 0.0 and numbers[7] > 0.0:
             x, y, z = numbers[:3]
             length = max((x * x + y * y + z * z) ** 0.5, 1e-9)
             yield float(x / length), float(y / length), float(z / length), float(0.5 * numbers[7])

@@ -8,6 +8,7 @@ and suns as ``x,y,z,radius`` each. What is rendered is the world as rays see it 
 import os
 import sys
 import tempfile
+from typing import Any
 
 import bpy
 import numpy as np
@@ -25,10 +26,11 @@ def main(blend: str, out: str, width: int, space: str, suns: list[tuple[float, .
     colorspace = getattr(bpy.data, "colorspace", None)
     if colorspace is not None and space and colorspace.working_space != space:
         bpy.ops.wm.set_working_color_space(working_space=space)
-    with bpy.data.libraries.load(blend) as (there, wanted):
+    libraries: Any = bpy.data.libraries
+    with libraries.load(blend) as (there, wanted):
         wanted.worlds = there.worlds[:1]
     world = wanted.worlds[0]
-    scene = bpy.context.scene
+    scene: Any = bpy.context.scene
     scene.world = world
     visibility = getattr(world, "cycles_visibility", None)
     seen = visibility is None or visibility.glossy
@@ -52,7 +54,7 @@ def main(blend: str, out: str, width: int, space: str, suns: list[tuple[float, .
     np.savez(out, pixels=pixels, suns=np.array(found, np.float32).reshape(-1, 7))
 
 
-def _prepare(world: bpy.types.World) -> list[bpy.types.Node]:
+def _prepare(world: Any) -> list[Any]:
     """Answer for the light path, drop volumes; the skies that show a sun."""
     if world.node_tree is None:
         return []
@@ -69,7 +71,7 @@ def _prepare(world: bpy.types.World) -> list[bpy.types.Node]:
     return skies
 
 
-def _answer(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
+def _answer(tree: Any, node: Any) -> None:
     for output in node.outputs:
         targets = [link.to_socket for link in output.links]
         if targets:
@@ -79,7 +81,7 @@ def _answer(tree: bpy.types.NodeTree, node: bpy.types.Node) -> None:
                 tree.links.new(value.outputs[0], target)
 
 
-def _settings(scene: bpy.types.Scene, world: bpy.types.World) -> None:
+def _settings(scene: Any, world: Any) -> None:
     scene.render.engine = "CYCLES"
     scene.render.resolution_percentage = 100
     scene.render.use_compositing = scene.render.use_sequencer = False
@@ -98,12 +100,12 @@ def _settings(scene: bpy.types.Scene, world: bpy.types.World) -> None:
     world.cycles.sampling_method = "NONE"  # nothing is lit here
 
 
-def _show_suns(skies: list[bpy.types.Node], shown: bool) -> None:
+def _show_suns(skies: list[Any], shown: bool) -> None:
     for sky in skies:
         sky.sun_disc = shown
 
 
-def _panorama(scene: bpy.types.Scene, camera: bpy.types.Object, width: int) -> np.ndarray:
+def _panorama(scene: Any, camera: Any, width: int) -> np.ndarray:
     lens = camera.data
     lens.type = "PANO"
     owner = lens if hasattr(lens, "panorama_type") else lens.cycles  # 4.5 keeps it with Cycles
@@ -113,7 +115,7 @@ def _panorama(scene: bpy.types.Scene, camera: bpy.types.Object, width: int) -> n
     return _render(scene, width, width // 2)
 
 
-def _narrow(scene: bpy.types.Scene, camera: bpy.types.Object, sun: tuple[float, ...]) -> np.ndarray:
+def _narrow(scene: Any, camera: Any, sun: tuple[float, ...]) -> np.ndarray:
     """Irradiance ``(3,)`` of a small square about a direction, on a surface that faces it."""
     from mathutils import Vector
 
@@ -128,7 +130,7 @@ def _narrow(scene: bpy.types.Scene, camera: bpy.types.Object, sun: tuple[float, 
     return (pixels * (1.0 + x**2 + y**2)[..., None] ** -2.0).sum((0, 1)) * (2.0 * np.tan(half) / _SUN_SIDE) ** 2
 
 
-def _render(scene: bpy.types.Scene, width: int, height: int) -> np.ndarray:
+def _render(scene: Any, width: int, height: int) -> np.ndarray:
     scene.render.resolution_x, scene.render.resolution_y = width, height
     folder = tempfile.mkdtemp()
     scene.render.filepath = os.path.join(folder, "world.exr")

@@ -6,7 +6,7 @@ from __future__ import annotations
 from functools import cache
 from typing import Any
 
-from ....precompute.constants import LEAST_SCALE
+from ....precompute.constants import LEAST_REFLECTANCE, LEAST_SCALE
 from ....precompute.table import importance, scaled_albedo
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
 from ...shader_files import SHADERS
@@ -48,6 +48,7 @@ _SCALED = {
     "SCALED_N_PHI": scaled_albedo.N_PHI,
     **{f"SCALED_DEPTH_{i}": depth for i, depth in enumerate(scaled_albedo.DEPTHS)},
     "SCALE_LEAST": LEAST_SCALE,
+    "REFLECTANCE_LEAST": LEAST_REFLECTANCE,
 }
 
 #: Side of the finest level of an image of the surroundings, and how many levels there are: the last has four texels.

@@ -10,6 +10,7 @@ from precompute.evaluate.scaled import ScaledTable
 from precompute.light.colour import luminance_row, xyz_to_rgb_matrix
 from precompute.parameters import BakeParameters
 from precompute.presets import make_preset
+from precompute.stack import parse_stack
 from precompute.table.table import SpectralTable
 from tests.support.blender import materials, scenes
 from tests.support.blender.sphere_truth import expected
@@ -144,3 +145,19 @@ def test_raw_model_in_a_furnace_equals_the_quadrature(blender, foil, implementat
     scaled = ScaledTable(table, 0.7, 0.8)
     xyz = (radiance.f_cos_xyz(scaled, wi, wr, conserve=False) * cell[..., None]).sum((0, 1))
     assert (image @ luminance_row()).mean() == pytest.approx(xyz[1], rel=0.03)
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_a_stack_inside_is_corrected_to_the_true_half_angle(blender, tmp_path, implementation):
+    path = tmp_path / "film.exr"
+    stack = parse_stack("al", ["1.46:500"])
+    parameters = BakeParameters(sigma_s_m=1.5e-6, detail=0.4, stack=stack)
+    bake(make_preset("sinusoid", 20e-6, 230, period_um=1.6, amplitude_nm=60.0), parameters).save(path)
+    table = SpectralTable.load(path)
+    sphere = scenes.add_sphere(segments=512, rings=256)
+    scenes.add_sun(SUN)
+    scenes.add_camera((0.2, 0.1, 1.0))
+    made = materials.diffracting(sphere, path, implementation, environment=0)
+    node_of(made).inputs["Scale"].default_value, node_of(made).inputs["Depth"].default_value = 0.8, 0.6
+    truth, good = expected(sphere, ScaledTable(table, 0.8, 0.6), [SUN], 32)
+    assert_images_agree(scenes.render(32), truth, 0.01, 98, where=good, name=f"stack_{implementation}")

@@ -41,7 +41,7 @@ def test_lamp_light_is_that_of_numpy(blender, saved, implementation, name):
     scenes.add_camera(view, extent=0.2)
     made = materials.diffracting(plane, path, implementation=implementation, environment=0)
     node = made.node_tree.nodes["Diffraction"]
-    assert node.inputs["IOR"].hide
+    assert all(node.inputs[each].hide for each in ("Fresnel", "IOR", "ConductorN", "ConductorK"))
     assert node.inputs["LacquerRoughness"].hide == (name == "film")
     # A mirror as sharp as the face leaves the sun aside.
     node.inputs["LacquerRoughness"].default_value = 0.0

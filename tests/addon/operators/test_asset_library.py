@@ -34,7 +34,9 @@ def stand_in(monkeypatch, tmp_path):
     monkeypatch.setenv("BLENDER_USER_RESOURCES", str(tmp_path / "user"))
 
     def use(code):
-        monkeypatch.setattr(worker, "command", lambda target, kind: [sys.executable, "-c", code, str(target), kind])
+        monkeypatch.setattr(
+            worker, "command", lambda target, kind, only=(): [sys.executable, "-c", code, str(target), kind]
+        )
 
     return use
 
@@ -82,3 +84,18 @@ def test_esc_ends_the_second_blender(stand_in):
     with pytest.raises(Cancelled):
         worker.run(worker.command(extension.ROOT, "OSL"), stop)
     assert len(seen) == 4
+
+
+def test_only_some_materials_by_their_presets(stand_in, monkeypatch, tmp_path):
+    from diffraction_shader.addon.assets import worker
+
+    asked = []
+    stand_in("print('no')")
+    monkeypatch.setattr(
+        worker, "command", lambda target, kind, only=(): asked.append(only) or [sys.executable, "-c", ""]
+    )
+    with pytest.raises(RuntimeError, match="no material of nonsense"):
+        bpy.ops.diffraction.make_asset_library(directory=str(tmp_path), only="cd, nonsense")
+    with pytest.raises(RuntimeError, match="could not be made"):
+        bpy.ops.diffraction.make_asset_library(directory=str(tmp_path), only="cd, blazed")
+    assert asked == [("cd", "blazed")]

@@ -10,7 +10,7 @@ import pytest
 from precompute.parameters import BakeParameters
 from precompute.stack import parse_stack
 from precompute.table.table import SpectralTable
-from tests.support.blender.panels import shown
+from tests.support.blender.panels import shown, words
 
 pytestmark = pytest.mark.usefixtures("blender")
 
@@ -29,6 +29,8 @@ def test_panel_and_operator_bake_what_python_bakes(scene, tmp_path):
     wanted = BakeParameters(stack=parse_stack("Au", ["1.46:250", "(SiO2:10,TiO2:5)x3"]), lacquer="PMMA")
     assert BakeParameters(stack=table.info["parameters"]["stack"]).stack == wanted.stack
     assert table.index == pytest.approx(wanted.index)
+    assert "from the table" in words(shown("material"))
+    assert '"IOR"' not in shown("material")
     assert bpy.ops.diffraction.bake(substrate="Ti", films="", lacquer="") == {"FINISHED"}
     again = SpectralTable.load(bpy.path.abspath(scene.table_path))
     assert again.info["stack"]["text"] == "Ti"

@@ -240,9 +240,9 @@ def test_crop_smooth_and_tile_reach_the_core(project):
     chosen = bake_settings.parameters(state)
     assert chosen.crop_m == pytest.approx((1e-6, 6e-6, 2e-6, 7.5e-6), rel=1e-12)
     assert (chosen.smooth_m, chosen.tile, chosen.clip_percent) == (pytest.approx(25e-9), "blend", 99.9)
-    assert "Rectangle (um)" in shown("levelling")
+    assert "Left (um)" in shown("levelling") and '"Top"' in shown("levelling")
     state.crop_um = (6.0, 1.0, 2.0, 7.0)
-    assert "left < right" in words(shown("bake"))
+    assert "A crop from 6 to 1 um in x" in words(shown("bake"))
     with pytest.raises(RuntimeError, match="left < right"):
         bpy.ops.diffraction.bake()
 

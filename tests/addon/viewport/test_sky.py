@@ -178,3 +178,18 @@ def test_what_surrounds_a_view(blender, tmp_path):
     scene.world.node_tree.links.new(gradient.outputs[0], background.inputs["Color"])
     found = surroundings.of_world(scene.world)
     assert found.sky.world == "world"  # rendered all around by a second Blender
+
+
+def test_drawings_of_a_picture_share_the_directions(renderer, tmp_path):
+    """Each drawing of a picture moves its directions: their mean is nearer to many directions than any of them."""
+    from diffraction_shader.addon.viewport import drawing as viewport_drawing
+
+    sphere_under(tmp_path, (0.3, 0.2, 0.9))
+    inside = middle(32)
+    moves = [(0.0, 0.0), (0.755, 0.57), (0.51, 0.14), (0.265, 0.71)]
+    drawn = [drawing.alone(renderer, 32, points=1, moved=moved)[inside] for moved in moves]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(viewport_drawing.SKY_POINTS, 1, 512)
+        many = drawing.alone(renderer, 32, points=1)[inside]
+    errors = [np.abs(each - many).mean() for each in drawn]
+    assert np.abs(np.mean(drawn, 0) - many).mean() < 0.8 * np.mean(errors)  # the rest is the blur of the sky

@@ -63,7 +63,7 @@ def chosen(targets: Iterable[bpy.types.Object], every: bool) -> list[Slot]:
         elif every:
             found += [Slot(ob, index) for index in range(count)]
         else:
-            found.append(Slot(ob, min(ob.active_material_index, count - 1)))
+            found.append(Slot(ob, min(ob.active_material_index or 0, count - 1)))
     return found
 
 
@@ -72,7 +72,10 @@ def only_active(targets: Iterable[bpy.types.Object]) -> str:
     several = [ob for ob in targets if len(ob.material_slots) > 1]
     if not several:
         return ""
-    named = [f"{_name(ob)} of {ob.name} ({ob.active_material_index + 1} of {len(ob.material_slots)})" for ob in several]
+    named = [
+        f"{_name(ob)} of {ob.name} ({(ob.active_material_index or 0) + 1} of {len(ob.material_slots)})"
+        for ob in several
+    ]
     more = f" and {len(named) - 2} more" if len(named) > 2 else ""
     return f"Only the active slots: {', '.join(named[:2])}{more}"
 
