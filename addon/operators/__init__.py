@@ -7,7 +7,6 @@ from . import (
     apply_material,
     asset_library,
     bake,
-    bake_lights,
     brdf_map,
     files,
     fit,
@@ -19,6 +18,7 @@ from . import (
     setting_presets,
     show_image,
 )
+from .farm import bake_lights
 from .painting import paint
 
 _MODULES = (

@@ -6,8 +6,8 @@ from __future__ import annotations
 import bpy
 from bpy.props import BoolProperty
 
-from ..lights import keyed
-from ..materials import handlers, material
+from ...lights import keyed
+from ...materials import handlers, material
 
 
 class DIFFRACTION_OT_bake_lights(bpy.types.Operator):
