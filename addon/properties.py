@@ -109,7 +109,7 @@ def series() -> Any:
 def tolerance() -> Any:
     """Error that the series may leave."""
     return FloatProperty(
-        name="Tolerance", description="Largest error that the series may leave",
+        name="Tolerance", description="Largest error of the expansion in kappa, before any table",
         default=1e-4, min=1e-8, max=0.1, precision=6,
     )  # fmt: skip
 
@@ -182,6 +182,16 @@ def detail() -> Any:
     return FloatProperty(
         name="Detail", description="Resolution of the table; its texels grow with the cube of it",
         default=1.0, min=0.1, max=8.0, soft_min=0.5, soft_max=2.0, precision=2,
+    )  # fmt: skip
+
+
+def error_percent() -> Any:
+    """Largest error of lookups."""
+    return FloatProperty(
+        name="Error (%)",
+        description="Slices, radii and angles of the table are chosen until its values are off by no more than this, "
+        "wherever they are above a thousandth of the largest in their plane of incidence",
+        default=2.0, min=0.1, max=100.0, soft_min=0.5, soft_max=20.0, precision=1,
     )  # fmt: skip
 
 
@@ -385,6 +395,7 @@ class DIFFRACTION_PG_scene(bpy.types.PropertyGroup):
     smooth_nm: smooth_nm()
     tile: tile()
     detail: detail()
+    error_percent: error_percent()
     illuminant: illuminant()
     illuminant_file: illuminant_file()
     illuminant_data: illuminant_data()

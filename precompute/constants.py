@@ -36,10 +36,14 @@ TERMS_FORMAT_VERSION = 1
 
 #: Version of the computation: raise it whenever the same scan and parameters give other texels, so that
 #: no cache hands out what an older release computed.
-BAKE_VERSION = 2
+BAKE_VERSION = 3
 
 #: Largest bake without an explicit limit (bytes of texels as a renderer loads them).
 TABLE_LIMIT_BYTES = 1024 * 1024 * 1024
+
+#: Most texels that slices, radii and angles may take for the sake of their error; a table that is larger without them
+#: stays as it is.
+REFINED_LIMIT_BYTES = 256 * 1024 * 1024
 
 #: Largest cache of tables without an explicit limit (bytes on disk).
 CACHE_LIMIT_BYTES = 4 * 1024 * 1024 * 1024

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .constants import FREQUENCY_MAX, PIXEL_MAX_M, TABLE_LIMIT_BYTES, W_MAX, WAVELENGTH_MIN_M
+from .constants import FREQUENCY_MAX, PIXEL_MAX_M, REFINED_LIMIT_BYTES, TABLE_LIMIT_BYTES, W_MAX, WAVELENGTH_MIN_M
 from .errors import ParameterError
 from .light.illuminant import ILLUMINANTS, Illuminant, illuminant_of, to_json
 from .stack import Material, Stack, material_of, stack_of
@@ -40,7 +40,8 @@ class BakeParameters:
     ----------
     sigma_s_m
         Standard deviation of the Gaussian coherence window in metres; None takes the
-        default of the ensemble (``single``: 65 um / 4, ``average``: patch side / 10). ``periodic`` has no
+        default of the ensemble (``single``: 65 um / 4, at most a quarter of the patch's shorter side; ``average``:
+        a tenth of it). ``periodic`` has no
         window and passes it over.
     ensemble
         ``average``: mean over all window positions; ``single``: one window in the middle; ``periodic``: the
@@ -70,6 +71,10 @@ class BakeParameters:
         samples (not its name) then decide the table.
     detail
         Resolution of the table relative to the default 1.0; texels grow with its cube.
+    error
+        Largest error that linear lookups in the table may leave, a fraction, wherever a value is above 1e-3 of the
+        largest in its plane of incidence: slices, radii and angles are chosen for it. A ``detail`` below 1 allows
+        ``1 / detail^2`` times as much.
     stack
         The surface's stuff, a `precompute.stack.Stack` or what a sidecar holds of it: its reflectance goes into the
         table. None leaves it to the renderer.
@@ -103,6 +108,7 @@ class BakeParameters:
     tile: str = "none"
     illuminant: Illuminant = "D65"
     detail: float = 1.0
+    error: float = 0.02
     stack: Stack | None = None
     lacquer: Material | None = None
     energy: str = "raw"
@@ -159,6 +165,8 @@ class BakeParameters:
             )
         if not (math.isfinite(self.detail) and 0.1 <= self.detail <= 8.0):
             raise ParameterError(f"The detail is {self.detail}; it must lie between 0.1 and 8.")
+        if not (math.isfinite(self.error) and 0.001 <= self.error <= 1.0):
+            raise ParameterError(f"The error is {100 * self.error:g} percent; it must lie between 0.1 and 100 percent.")
         for what, headroom in (("Scale", self.scale_headroom), ("Depth", self.depth_headroom)):
             if not (math.isfinite(headroom) and 1.0 <= headroom <= HEADROOM_MOST):
                 raise ParameterError(
@@ -173,6 +181,16 @@ class BakeParameters:
     def index(self) -> float:
         """Refractive index of what lies over the relief, for directions: 1 for air."""
         return 1.0 if self.lacquer is None else float(self.lacquer.index(np.array([LACQUER_WAVELENGTH_M]))[0].real)
+
+    @property
+    def refined_bytes(self) -> int:
+        """Most texels that a table may grow to for the sake of its error."""
+        return min(self.limit_bytes, REFINED_LIMIT_BYTES)
+
+    @property
+    def error_goal(self) -> float:
+        """The error that is asked for at this detail."""
+        return self.error / min(self.detail, 1.0) ** 2
 
     @property
     def w_max(self) -> float:
@@ -195,9 +213,10 @@ class BakeParameters:
         return 2.0 * math.pi * self.w_max / WAVELENGTH_MIN_M
 
     def to_dict(self) -> dict[str, Any]:
-        """What decides the table's content, for the sidecar (the limit does not)."""
+        """What decides the table's content, for the sidecar (the limit does where it is a small one)."""
         data = {each.name: getattr(self, each.name) for each in fields(self)}
-        del data["limit_bytes"]
+        if self.refined_bytes == REFINED_LIMIT_BYTES:
+            del data["limit_bytes"]
         data["illuminant"] = to_json(self.illuminant, name=False)
         if self.ensemble != "periodic":
             del data["replicas"]

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import queue
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from pathlib import Path
+from typing import IO
 
 import bpy
 
@@ -45,17 +48,25 @@ def run(words: list[str], progress: Callable[[str, float], None]) -> int:
         words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, encoding="utf-8", errors="replace"
     )
     last, count, now = "", 0, ("start", 0.0)
+    # Read beside this: a bake or a render says nothing for long, and a user who stops does not want to wait for it.
+    lines: queue.SimpleQueue[str | None] = queue.SimpleQueue()
+    threading.Thread(target=_read, args=(process.stdout, lines), name="diffraction-assets", daemon=True).start()
     try:
-        assert process.stdout is not None
-        for line in process.stdout:
+        while True:
+            progress(*now)  # raises where the user stops
+            try:
+                line = lines.get(timeout=0.2)
+            except queue.Empty:
+                continue
+            if line is None:
+                break
             if line.startswith(_MARK):
                 _, fraction, name = line.strip().split(" ", 2)
                 now = (name, float(fraction))
-                progress(*now)
                 count += name != "done"
             elif line.strip():
                 last = line.strip()
-                progress(*now)  # raises where the user stops
+        progress(*now)
         if process.wait() or not count:
             raise DiffractionError(f"The asset library could not be made: {last or 'the second Blender ended'}")
     finally:
@@ -63,6 +74,13 @@ def run(words: list[str], progress: Callable[[str, float], None]) -> int:
             process.kill()
             process.wait()
     return count
+
+
+def _read(stream: IO[str] | None, lines: queue.SimpleQueue[str | None]) -> None:
+    """Hand over what a process prints, and None at its end."""
+    for line in stream or ():
+        lines.put(line)
+    lines.put(None)
 
 
 def main(target: str, implementation: str, only: tuple[str, ...] = ()) -> None:

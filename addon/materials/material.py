@@ -21,7 +21,7 @@ from .node.group import NODE
 from .scales.wire import wire as wire_scales
 
 #: Sockets that an artist turns while looking.
-LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Environment", "DiffuseLimit", "Cone")
+LIVE_SOCKETS = ("Brightness", "IOR", "Rotation", "Scale", "Depth", "Environment", "DiffuseLimit", "Cone")
 
 #: Pigment under a material that had no shader of its own: the colours show over a dark ground only.
 DARK = (0.012, 0.010, 0.009, 1.0)

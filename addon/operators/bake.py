@@ -42,6 +42,7 @@ class DIFFRACTION_OT_bake(Threaded, bpy.types.Operator):
     smooth_nm: properties.smooth_nm()
     tile: properties.tile()
     detail: properties.detail()
+    error_percent: properties.error_percent()
     illuminant: properties.illuminant()
     illuminant_file: properties.illuminant_file()
     illuminant_data: properties.illuminant_data()

@@ -32,7 +32,7 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
     pixels: properties.preset_pixels()
     look: BoolProperty(
         name="Look",
-        description="Also set what suits the structure: orientation, Fresnel, levelling, ensemble, coherence",
+        description="Also set what suits the structure: orientation, Fresnel, levelling, ensemble, coherence, patch",
         options={"SKIP_SAVE"},
     )
 
@@ -63,7 +63,10 @@ class DIFFRACTION_OT_make_preset(Threaded, bpy.types.Operator):
         for each in names:
             value = getattr(self, each)
             values[each] = decimal(value) if isinstance(value, float) else value
-        size_m, pixels, folder = decimal(self.size_um) * 1e-6 or None, self.pixels or None, paths.data_folder()
+        size_um, pixels, folder = decimal(self.size_um), self.pixels or None, paths.data_folder()
+        if self.look and not size_um:  # a patch on which the look's coherence window fits
+            size_um, pixels = look_of(name).patch_um, pixels or look_of(name).patch_pixels or None
+        size_m = size_um * 1e-6 or None
 
         def work(progress: Progress) -> Any:
             return scan_store.store_preset(folder, name, lambda: make_preset(name, size_m, pixels, **values), progress)

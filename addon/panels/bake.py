@@ -37,7 +37,9 @@ class DIFFRACTION_PT_bake(Stage, bpy.types.Panel):
             vector(column, state, "replicas")
         else:
             number(column, state, "sigma_s_um", "auto")
+            column.operator("diffraction.coherence_of_sunlight", icon="LIGHT_SUN")
         column.prop(state, "detail")
+        column.prop(state, "error_percent")
         if state.scan_path:
             _estimate(layout, context.scene)
         found = scene_table(context.scene)
@@ -123,8 +125,14 @@ def _estimate(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
         column.label(text=f"{megabytes(cost.memory_bytes)} of memory to bake", icon="MEMORY")
         column.label(text=f"{megabytes(cost.disk_bytes)} on disk", icon="DISK_DRIVE")
         column.label(text=f"{megabytes(texture_bytes(cost.texel_bytes))} of texture to render", icon="TEXTURE")
-        if scene.diffraction.sigma_s_um == 0 and scene.diffraction.ensemble != "periodic":
-            column.label(text=f"Coherence {found.sigma_s_m * 1e6:.3g} um", icon="LIGHT_SUN")
+        if cost.refined_bytes > cost.texel_bytes:
+            most = megabytes(texture_bytes(cost.refined_bytes))
+            column.label(text=f"Up to {most} where its error asks for more", icon="BLANK1")
+        if scene.diffraction.ensemble != "periodic":
+            window = found.coherence
+            column.label(text=f"Coherence {window.sigma_s_m * 1e6:.3g} um, {window.limit}", icon="LIGHT_SUN")
+            if window.warning:
+                note(layout, window.warning, "ERROR")
 
 
 def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:

@@ -125,6 +125,10 @@ def draw_active(layout: bpy.types.UILayout, active: bpy.types.Material) -> None:
         socket = node.inputs.get(name)
         if socket is not None and not (socket.is_linked or socket.hide) and not _without_effect(name, node):
             layout.prop(socket, "default_value", text=re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name))
+    for name in ("Scale", "Depth") if found.kind == READY else ():
+        socket, most = node.inputs.get(name), found.info["layout"].get(f"{name.lower()}_headroom", 1.0)
+        if socket is not None and not socket.is_linked and socket.default_value > most:
+            note(layout, f"{name} above {most:.3g} passes the table: bake with {name} Headroom (Advanced)", "ERROR")
 
 
 def _switches(layout: bpy.types.UILayout, node: Any) -> None:

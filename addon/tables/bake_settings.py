@@ -18,7 +18,7 @@ LEVELLING = ("use_crop", "crop_um", "level", "align_rows", "clip_percent", "smoo
 
 #: Properties that decide a bake, on the scene and on the operator, in the order of the panel.
 FIELDS = (
-    *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "illuminant", "illuminant_file",
+    *LEVELLING, "ensemble", "replicas", "sigma_s_um", "detail", "error_percent", "illuminant", "illuminant_file",
     "illuminant_data", "series", "tolerance", "limit_mb", "substrate", "films", "lacquer", "energy",
     "scale_headroom", "depth_headroom",
 )  # fmt: skip
@@ -45,6 +45,7 @@ def parameters(owner: Any) -> BakeParameters:
         **levelling(owner),
         illuminant=light_file.illuminant(owner),
         detail=decimal(owner.detail),
+        error=round(0.01 * decimal(owner.error_percent), 9),
         limit_bytes=owner.limit_mb * 1_000_000,
         **stuff(owner.substrate, owner.films, owner.lacquer),
         energy=owner.energy,

@@ -28,15 +28,17 @@ class Estimate:
         One sentence, e.g. that the table would be too large.
     warnings
         What the preparation of the heights warns of.
-    size_m, sigma_s_m
-        Of the prepared patch and the window in force.
+    size_m
+        Of the prepared patch.
+    coherence
+        `precompute.bake.window.Coherence`, the window in force, or None.
     """
 
     cost: Any = None
     error: str = ""
     warnings: tuple[str, ...] = ()
     size_m: tuple[float, float] = (0.0, 0.0)
-    sigma_s_m: float = 0.0
+    coherence: Any = None
 
 
 _known: dict[str, Estimate] = {}
@@ -89,7 +91,7 @@ def learn(scene: bpy.types.Scene, measured_s: float) -> None:
 
 
 def _make(key: str, folder: Any, chosen: Any) -> Estimate:
-    from ...precompute.bake.baking import resolve_sigma_s
+    from ...precompute.bake.baking import window_of
     from ...precompute.bake.cost import bake_cost
     from ...precompute.readers import read_scan
     from ...precompute.scan.preparation import prepare
@@ -98,11 +100,11 @@ def _make(key: str, folder: Any, chosen: Any) -> Estimate:
         path, reading = recipe.scan_of(json.loads(key), folder)
         patch = prepare(read_scan(path, **reading), chosen)
         warnings = tuple(step["warning"] for step in patch.processing if step.get("warning"))
-        sigma_s = resolve_sigma_s(patch, chosen)
+        window = window_of(patch, chosen)
         try:
-            found = Estimate(bake_cost(patch, chosen), "", warnings, patch.size_m, sigma_s)
+            found = Estimate(bake_cost(patch, chosen), "", warnings, patch.size_m, window)
         except DiffractionError as error:
-            found = Estimate(None, str(error), warnings, patch.size_m, sigma_s)
+            found = Estimate(None, str(error), warnings, patch.size_m, window)
     except (DiffractionError, MemoryError, OSError) as error:
         found = Estimate(error=str(error))
     if len(_known) > 64:

@@ -74,8 +74,9 @@ def _glow_rows(ob: bpy.types.Object, colour: tuple[float, float, float]) -> np.n
     """Rows of a ball in place of a mesh that glows: it sheds as much as the mesh does on average over all sides."""
     middle, radius = emitters.ball(ob)
     world = ob.matrix_world
+    place: Any = world @ middle
     rows = np.zeros((6, 4))
-    rows[0] = *tuple(world @ middle), LAMP_KINDS["BALL"]
+    rows[0] = *place, LAMP_KINDS["BALL"]
     rows[4, :3] = np.array(colour) * emitters.shadow_area(ob)
     rows[4, 3] = radius * max(world.to_scale())
     return rows

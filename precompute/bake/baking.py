@@ -30,14 +30,15 @@ from ..table.layout import TableLayout, put_guard
 from ..table.rivals import Rivals
 from ..table.table import SpectralTable
 from .balance import balance
-from .budget import check_bake, check_scan
+from .budget import check_bake, check_scan, fits_memory
 from .energy import Energy, energy, sector_shares
 from .intensity import PolarIntensity
 from .plan import plan_layout
+from .refinement import refine, sentence
 from .series import chebyshev_nodes, check_single_precision, node_count
 from .spectral_sum import Reflectance, SpectralSum
 from .transforms import workers
-from .window import default_sigma_s
+from .window import Coherence, coherence
 
 #: Called with the stage's name and the fraction of the whole that is done; may raise Cancelled.
 Progress = Callable[[str, float], None]
@@ -50,6 +51,9 @@ ANGLES_A_BLOCK = 96
 
 #: Polar angles of the row that holds the reflectance of the surface's stuff.
 N_REFLECTANCE = 91
+
+#: Step of the wavelengths at which slices, radii and angles are chosen.
+_COARSE_STEP_M = 2e-9
 
 #: Texels are scaled to this largest value, well inside half floats (65504).
 _LARGEST_TEXEL = 30000.0
@@ -104,9 +108,12 @@ class _Stages:
 
 def resolve_sigma_s(patch: HeightField, parameters: BakeParameters) -> float:
     """The coherence window in force (metres): the given one, else the ensemble's default."""
-    if parameters.sigma_s_m is None or parameters.ensemble == "periodic":
-        return default_sigma_s(patch, parameters.ensemble)
-    return parameters.sigma_s_m
+    return window_of(patch, parameters).sigma_s_m
+
+
+def window_of(patch: HeightField, parameters: BakeParameters) -> Coherence:
+    """The coherence window in force, and what limits it."""
+    return coherence(patch, parameters.ensemble, parameters.sigma_s_m)
 
 
 def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
@@ -126,6 +133,7 @@ def estimate(patch: HeightField, parameters: BakeParameters) -> TableLayout:
         parameters.index,
         0 if parameters.stack is None and parameters.lacquer is None else N_REFLECTANCE,
         (parameters.scale_headroom, parameters.depth_headroom),
+        parameters.error_goal,
     )
     if layout.texel_bytes > parameters.limit_bytes:
         raise SizeLimitError(
@@ -233,6 +241,10 @@ def _notes(scan: HeightField, table: SpectralTable) -> tuple[str, ...]:
             )
         if step.get("warning"):
             notes.append(str(step["warning"]).rstrip("."))
+    if said := Coherence(**table.info["coherence"]).warning:
+        notes.append(said)
+    if said := sentence(table.info["error"]):
+        notes.append(said)
     return tuple(notes)
 
 
@@ -297,6 +309,22 @@ def _bake(
     stages.done("transforms")
 
     stuff = None if stack is None else Reflectance(stack, wavelengths, parameters.lacquer, index)
+    with threadpool_limits(1, user_api="blas"):
+        layout, reached = refine(
+            polar,
+            coefficients,
+            nodes,
+            layout,
+            spectral_weights(illuminant=parameters.illuminant, step_m=_COARSE_STEP_M),
+            None if stuff is None else stuff.thinned(round(_COARSE_STEP_M / (wavelengths[1] - wavelengths[0]))),
+            parameters.error_goal,
+            lambda finer: (
+                finer.texel_bytes <= parameters.refined_bytes
+                and fits_memory(patch, sigma_s, finer, parameters, ANGLES_A_BLOCK, memory_bytes)
+            ),
+        )
+    stages.report(f"{layout.texel_bytes / 1e6:.0f} MB of texels", 0.55)
+    stages.done("refine")
 
     def spectral_sum(
         reflectance: Reflectance | None, gain: np.ndarray | None = None, coarse: int | None = None
@@ -381,6 +409,8 @@ def _bake(
             "share_cut": kept.share_cut,
             "share_lost": lost_share(albedo),
         },
+        "error": reached.to_json(),
+        "coherence": window_of(patch, parameters).to_json(),
     }
     if stack is not None:
         info["stack"] = {**(stack_to_json(stack) or {}), "text": str(stack), "notes": list(stack.notes)}

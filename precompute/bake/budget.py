@@ -150,6 +150,19 @@ def check_bake(
     _check(bake_bytes(patch, sigma_s_m, layout, parameters, angles_a_block), limit_bytes)
 
 
+def fits_memory(
+    patch: HeightField,
+    sigma_s_m: float,
+    layout: TableLayout,
+    parameters: BakeParameters,
+    angles_a_block: int,
+    limit_bytes: int | None,
+) -> bool:
+    """Whether `check_bake` would let a bake pass."""
+    limit = available_bytes() if limit_bytes is None else limit_bytes
+    return limit is None or bake_bytes(patch, sigma_s_m, layout, parameters, angles_a_block) <= limit
+
+
 def _check(wanted: float, limit_bytes: int | None) -> None:
     limit = available_bytes() if limit_bytes is None else limit_bytes
     if limit is not None and wanted > limit:

@@ -36,7 +36,9 @@ class BakeCost:
     seconds
         Wall time on an ordinary machine; within a factor of about two.
     memory_bytes
-        Largest memory of the process; within about a third.
+        Largest memory of the process; within about a third. All this is for the layout as planned.
+    refined_bytes
+        Texels that the table may grow to where its error asks for more slices, radii or angles.
     """
 
     layout: TableLayout
@@ -44,6 +46,7 @@ class BakeCost:
     shape: tuple[int, int]
     seconds: float
     memory_bytes: float
+    refined_bytes: int = 0
 
     @property
     def texel_bytes(self) -> int:
@@ -83,4 +86,4 @@ def bake_cost(patch: HeightField, parameters: BakeParameters) -> BakeCost:
 
     seconds = _SECONDS_FIXED + _SECONDS_A_PIXEL * padded * nodes + _SECONDS_A_TEXEL * texels * nodes
     memory = bake_bytes(patch, sigma_s, layout, parameters, ANGLES_A_BLOCK)
-    return BakeCost(layout, nodes, patch.shape, seconds, memory)
+    return BakeCost(layout, nodes, patch.shape, seconds, memory, max(parameters.refined_bytes, layout.texel_bytes))

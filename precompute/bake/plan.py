@@ -11,8 +11,9 @@ from ..table.layout import R_MAX, TableLayout, near_square_columns
 #: Wavelength that sets the width of the coherence lobe in (u, v).
 _REFERENCE_M = 500e-9
 
-#: Radial step near r = 0, in lobe widths.
-_STEP_NEAR_ZERO = 0.35
+#: Radial step near r = 0, in lobe widths, at most and for an error of lookups of 1: on the flanks of the specular lobe,
+#: which every surface has, the error goes with the square of the step. The rest is found out from the intensities.
+_STEP_NEAR_ZERO, _STEP_FOR_ERROR = 0.35, 1.66
 
 #: Ratio of neighbouring radii far out, less 1: the colour matching functions smear over several times this.
 _STEP_FAR_OUT = 0.026
@@ -36,6 +37,7 @@ def plan_layout(
     index: float = 1.0,
     n_reflectance: int = 0,
     headroom: tuple[float, float] = (1.0, 1.0),
+    error: float = 1.0,
 ) -> TableLayout:
     """Layout for a coherence window and a range of heights.
 
@@ -56,10 +58,13 @@ def plan_layout(
         Columns of the row that holds the reflectance of the surface's stuff; 0 without.
     headroom
         Largest Scale and Depth of a painted surface.
+    error
+        Largest error of lookups, a fraction.
     """
     lobe = _REFERENCE_M / (2.0 * math.pi * math.sqrt(2.0) * sigma_s_m)
     ratio = _STEP_FAR_OUT / detail
-    r0 = min(_STEP_NEAR_ZERO * lobe / _STEP_FAR_OUT, 1.0)
+    step = min(_STEP_NEAR_ZERO, _STEP_FOR_ERROR * math.sqrt(error))
+    r0 = min(step * lobe / _STEP_FAR_OUT, 1.0)
     n_r = 1 + math.ceil(math.asinh(R_MAX * headroom[0] / r0) / ratio)
     n_phi = max(256, 32 * math.ceil(2.0 * math.pi * detail / (_ARC[ensemble] * lobe) / 32))
     w_max, w_min = W_MAX * index * headroom[1], max(_W_MIN, 0.999 * W_MAX * math.sqrt(index**2 - 1.0))

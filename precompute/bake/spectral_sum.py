@@ -19,6 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 
 import numpy as np
 
@@ -58,6 +59,12 @@ class Reflectance:
     def __call__(self, r: float, slices: np.ndarray) -> np.ndarray:
         """``(n_w, L)`` at a radius and all slices."""
         return self.at(np.sqrt(r**2 + slices**2) / (2.0 * self._index))
+
+    def thinned(self, every: int) -> Reflectance:
+        """The same at every so many of its wavelengths."""
+        fewer = copy(self)
+        fewer._sampled = np.ascontiguousarray(self._sampled[:, ::every])
+        return fewer
 
     def at(self, cosines: np.ndarray) -> np.ndarray:
         """``(..., L)`` at cosines in front of the stack."""

@@ -22,6 +22,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_headroom(parser)
     parser.add_argument("--detail", type=options.number, default=default.detail, help="resolution of the table")
     parser.add_argument(
+        "--error",
+        type=options.number,
+        default=100.0 * default.error,
+        metavar="PERCENT",
+        help="largest error of lookups where a value is above 1e-3 of the largest in its plane of incidence; slices,"
+        " radii and angles are chosen for it",
+    )
+    parser.add_argument(
         "--limit-mb",
         type=options.number,
         default=default.limit_bytes / 1e6,
@@ -42,7 +50,9 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     from ..bake.baking import bake_file
     from ..files.memory import peak_rss_bytes
 
-    parameters = options.bake_parameters(args, detail=args.detail, limit_bytes=int(args.limit_mb * 1e6))
+    parameters = options.bake_parameters(
+        args, detail=args.detail, error=0.01 * args.error, limit_bytes=int(args.limit_mb * 1e6)
+    )
     with options.Progress() as progress:
         cache = options.cache(args)
         memory = None if args.memory_mb is None else int(args.memory_mb * 1e6)
@@ -57,6 +67,8 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
         "peak_rss_bytes": peak_rss_bytes(),
         "albedo_max": report.table.albedo_max,
         "energy": report.table.info["energy"],
+        "error": report.table.info["error"],
+        "coherence": report.table.info["coherence"],
         **stuff,
         "cache": report.cache,
         "notes": [*report.notes, *stuff.get("notes", [])],
@@ -65,7 +77,7 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
 
 def describe(result: dict[str, Any]) -> str:
     """One line a stage."""
-    from ..table.facts import energy_lines
+    from ..table.facts import energy_lines, lookup_lines
 
     memory = result["peak_rss_bytes"]
     lines = [
@@ -75,6 +87,7 @@ def describe(result: dict[str, Any]) -> str:
         f"peak memory  {'unknown' if memory is None else f'{memory / 1e6:.0f} MB'}",
         f"albedo       at most {result['albedo_max']:.3f}",
         *(f"energy       {line}" for line in energy_lines(result)),
+        *("{:<13}{}".format(*line.split(" ", 1)) for line in lookup_lines(result)),
         f"cache        {result['cache']}",
     ]
     if "stack" in result:

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace) -> dict[str, Any]:
     """Absolute BRDF in 1/sr, R = 1 unless there is a substrate: ``f`` at one wavelength, else ``xyz``."""
-    from ..bake.window import default_sigma_s
+    from ..bake.window import coherence
     from ..evaluate.direct import direct_f, direct_xyz
     from ..scan.preparation import prepare
 
@@ -41,9 +41,10 @@ def run(args: argparse.Namespace) -> dict[str, Any]:
     stuff: dict[str, Any] = {"stack": parameters.stack, "lacquer": parameters.lacquer}
     said = options.said_stuff(parameters)
     patch = prepare(options.read(args), parameters)
-    sigma = parameters.sigma_s_m
-    if sigma is None or parameters.ensemble == "periodic":
-        sigma = default_sigma_s(patch, parameters.ensemble)
+    window = coherence(patch, parameters.ensemble, parameters.sigma_s_m)
+    sigma = window.sigma_s_m
+    if window.warning:
+        said = {**said, "notes": [*said.get("notes", []), window.warning]}
     wi, wr = options.direction(args.wi), options.direction(args.wr)
     if args.wavelength_nm is not None:
         f = direct_f(

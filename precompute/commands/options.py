@@ -99,12 +99,20 @@ def add_parameters(parser: argparse.ArgumentParser, several: bool = False) -> No
         "--sigma-s-um",
         type=number,
         metavar="S",
-        help="coherence width; by default a tenth of the shorter side (average) or 16.25 (single)",
+        help="coherence width; by default a tenth of the shorter side (average), or 16.25 and at most a quarter of it"
+        " (single)",
         **many,
     )
     parser.add_argument("--ensemble", choices=ENSEMBLES, default=default.ensemble, **many)
     parser.add_argument("--series", choices=SERIES, default=default.series, **many)
-    parser.add_argument("--tolerance", type=number, metavar="E", default=default.tolerance, **many)
+    parser.add_argument(
+        "--tolerance",
+        type=number,
+        metavar="E",
+        default=default.tolerance,
+        help="largest error of the expansion in kappa, before any table; --error is that of lookups in it",
+        **many,
+    )
     parser.add_argument("--level", choices=LEVELS, default=default.level, **many)
     parser.add_argument("--clip", type=number, metavar="P", help="keep the middle P percent of heights", **many)
     parser.add_argument(
@@ -227,7 +235,7 @@ def bake_parameters(args: argparse.Namespace, **more: Any) -> BakeParameters:
 def parameter_values(args: argparse.Namespace) -> dict[str, list[Any]]:
     """All values that `add_parameters` with ``several`` (and ``--detail``) collected, in SI units."""
     values = {}
-    for name, key, factor in (*_FIELDS, ("detail", "detail", 1.0)):
+    for name, key, factor in (*_FIELDS, ("detail", "detail", 1.0), ("error", "error", 0.01)):
         value = _si(args, key, factor)
         values[name] = value if isinstance(value, list) else [value]
     return values

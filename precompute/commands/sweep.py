@@ -18,6 +18,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     options.add_parameters(parser, several=True)
     options.add_stuff(parser)
     parser.add_argument("--detail", nargs="+", type=options.number, default=default.detail)
+    parser.add_argument("--error", nargs="+", type=options.number, default=100.0 * default.error, metavar="PERCENT")
     parser.add_argument("--limit-mb", type=options.number, default=default.limit_bytes / 1e6, metavar="MB")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="of a dask scheduler; by default a cluster of our own")
     parser.add_argument(

@@ -4,10 +4,11 @@
 A compact disc is more than a heightfield: its tracks run round a hole, and its layer is metal. `LOOKS` says so for
 every preset, in the units and words of the panel.
 
-The coherence windows: ordered structures (gratings, discs, foil) get one of 8 um. It blurs an order by
-``lambda / (2 sqrt(2) pi sigma)``, 0.44 degrees of standard deviation at 550 nm, about what the sun's disc of 0.53
-degrees does anyway; a wider one would cost memory for sharpness that daylight hides. A patch allows a quarter of its
-side. Random structures keep the ensemble's default, a tenth of the patch, whose mean over windows is smooth.
+The coherence windows: ordered structures (gratings, discs, foil) get that of sunlight, 16.25 um, a quarter of its
+coherence length. It blurs an order by ``lambda / (2 sqrt(2) pi sigma)``, 0.22 degrees of standard deviation at 550 nm,
+about what the sun's disc of 0.53 degrees does. A patch allows a quarter of its side, so theirs is 65 um wide instead of
+the preset's own size. Random structures keep the ensemble's default, a tenth of the patch, whose mean over windows is
+smooth. A table of such a window is large; its values may be off by a tenth where they are a thousandth of the largest.
 """
 
 from __future__ import annotations
@@ -36,6 +37,10 @@ class Look:
         Coherence window in micrometres; 0 takes the ensemble's default.
     substrate, films, lacquer
         What the surface is made of, as the panel has it typed; then the table holds the reflectance. Empty: none.
+    error_percent
+        Largest error of lookups in the table.
+    patch_um, patch_pixels
+        Side of the patch on which the window fits, and pixels along it; 0 takes the preset's own.
     """
 
     orientation: str = "UV"
@@ -47,6 +52,9 @@ class Look:
     substrate: str = ""
     films: str = ""
     lacquer: str = ""
+    error_percent: float = 2.0
+    patch_um: float = 0.0
+    patch_pixels: int = 0
 
     @property
     def is_bright(self) -> bool:
@@ -54,8 +62,8 @@ class Look:
         return self.fresnel == "CONDUCTOR" or bool(self.substrate)
 
     def settings(self) -> dict[str, Any]:
-        """The same by the names of the panel's properties."""
-        return asdict(self)
+        """The same by the names of the panel's properties; the patch is no setting."""
+        return {name: value for name, value in asdict(self).items() if not name.startswith("patch_")}
 
     def summary(self) -> str:
         """In words, for the panel and the docs."""
@@ -66,13 +74,16 @@ class Look:
             surface += f" under {self.lacquer}"
         lies = "radial" if self.orientation == "RADIAL" else "along the UV map"
         window = f"coherence {self.sigma_s_um:g} um" if self.sigma_s_um else "coherence of the patch"
-        return f"{surface}, {lies}, levelling {self.level}, {self.ensemble}, {window}"
+        if self.patch_um:
+            window += f" on {self.patch_um:g} um"
+        error = "" if self.error_percent == Look.error_percent else f", error {self.error_percent:g} %"
+        return f"{surface}, {lies}, levelling {self.level}, {self.ensemble}, {window}{error}"
 
 
 _SKIN = Look()
 _METAL = Look(fresnel="CONDUCTOR")
-_GRATING = Look(fresnel="CONDUCTOR", sigma_s_um=8.0)
-_DISC = Look(orientation="RADIAL", fresnel="CONDUCTOR", sigma_s_um=8.0, substrate="Al", lacquer="polycarbonate")
+_GRATING = Look(fresnel="CONDUCTOR", sigma_s_um=16.25, error_percent=10.0, patch_um=65.0)
+_DISC = replace(_GRATING, orientation="RADIAL", substrate="Al", lacquer="polycarbonate")
 
 #: By the preset's name; a new preset is one more line here.
 LOOKS: dict[str, Look] = {
@@ -85,9 +96,10 @@ LOOKS: dict[str, Look] = {
     "sinusoid": _GRATING,
     "blazed": _GRATING,
     "foil": _GRATING,
-    "cd": _DISC,
-    "dvd": _DISC,
-    "bluray": replace(_DISC, sigma_s_um=5.0),
+    # Whole numbers of tracks; pixels of 40 nm for the Blu-ray disc, twice those of its preset.
+    "cd": replace(_DISC, patch_um=65.6),
+    "dvd": replace(_DISC, patch_um=65.12),
+    "bluray": replace(_DISC, patch_um=65.28, patch_pixels=1632),
     "brushed_metal": _METAL,
     "stam_bumps": _METAL,
     "gold_foil": replace(_GRATING, substrate="Au"),

@@ -39,12 +39,15 @@ def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapp
     row -= row.min()
     along = q - np.floor(q)
 
-    # Finger coordinate: each row has its own phase and pitch; lean shifts a finger's root against its tip.
+    # Finger coordinate: each row has its own phase and pitch, as far as its fingers do not go on from those below;
+    # lean shifts a finger's root against its tip.
     rows = int(row.max()) + 1
-    phase = rng.uniform(0.0, 1.0, rows)
-    pitch = finger * (1.0 + 0.05 * disorder * rng.standard_normal(rows))
-    lean = disorder * 0.14 * field(6.0 * unit_x, 6.0 * unit_x)
-    squeeze = disorder * 0.22 * field(1.2 * unit_x, 1.2 * unit)
+    aligned = values["alignment_percent"] / 100.0
+    free = 1.0 - aligned
+    phase = free**2 * rng.uniform(0.0, 1.0, rows)
+    pitch = finger * (1.0 + 0.05 * free**2 * disorder * rng.standard_normal(rows))
+    lean = free * disorder * 0.14 * field(6.0 * unit_x, 6.0 * unit_x)
+    squeeze = disorder * 0.22 * field(1.2 * unit_x, 1.2 * unit * (1.0 + 40.0 * aligned))
     p = (x[None, :] + lean * row_period * (along - 0.5)) / pitch[row] + phase[row] + squeeze
     column = np.floor(p).astype(np.int64)
     column -= column.min()
@@ -54,6 +57,7 @@ def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapp
     columns = int(column.max()) + 1
     fingers = row * columns + column
     tips = np.clip(0.84 + 0.055 * disorder * rng.standard_normal(rows * columns), 0.6, 0.97)[fingers]
+    tips += 0.4 * aligned  # fingers that go on in the next row have no free ends
     heights = np.clip(1.0 + 0.13 * disorder * rng.standard_normal(rows * columns), 0.3, 1.7)[fingers]
     widths = np.clip(0.43 + 0.02 * disorder * rng.standard_normal(rows * columns), 0.33, 0.48)[fingers]
 
@@ -64,9 +68,10 @@ def _snake(x: np.ndarray, y: np.ndarray, size: tuple[float, float], values: Mapp
         relative = np.where(outline > 0.0, np.abs(across) / np.maximum(outline, 1e-9), 2.0)
     body = np.where(relative < 1.0, 1.0 - 0.50 * relative**2, 0.0)
     share = np.clip(along / tips, 0.0, 1.0)
-    ramp = heights * (1.0 + 0.15 * disorder * field(1.0, 1.0)) * (0.12 + 0.88 * share)
+    ramp = heights * (1.0 + 0.15 * disorder * field(1.0, 1.0)) * (0.12 + 0.88 * (free * share + aligned))
     # Wedges between the roots: deepest in the lower half, closing towards root and tip.
-    grooves = np.clip((np.abs(across) - 0.32) / 0.16, 0.0, 1.0) * np.sin(np.pi * share**0.8) * (share < 1.0)
+    grooves = np.clip((np.abs(across) - 0.32) / 0.16, 0.0, 1.0)
+    grooves *= free * np.sin(np.pi * share**0.8) * (share < 1.0) + 0.6 * aligned
 
     result = height * (body * ramp - 0.42 * grooves)
     result += 0.05 * height * disorder * field(0.3, 0.3)
@@ -89,6 +94,7 @@ _XENOPELTIS = (
     Parameter("height_nm", 127.0, "nm", 0.0, 1000.0, "Height of the fingers' tips above the membrane"),
     Parameter("waviness_nm", 31.0, "nm", 0.0, 500.0, "Standard deviation of the skin's long waves"),
     Parameter("disorder_percent", 100.0, "percent", 0.0, 300.0, "Disorder relative to the measured skin"),
+    Parameter("alignment_percent", 0.0, "percent", 0.0, 100.0, "How far the fingers of a row continue those below"),
     seed("another piece of skin"),
 )
 _ELAPHE = {"row_period_um": 4.0, "finger_um": 1.06, "height_nm": 120.0, "waviness_nm": 45.0, "disorder_percent": 100.0}

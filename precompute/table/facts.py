@@ -43,6 +43,17 @@ def energy_lines(info: dict[str, Any]) -> list[str]:
     return lines
 
 
+def lookup_lines(info: dict[str, Any]) -> list[str]:
+    """The coherence window with what limits it, and the error of lookups; none for tables that do not say it."""
+    lines = []
+    if window := info.get("coherence"):
+        lines.append(f"coherence {1e6 * window['sigma_s_m']:.4g} um ({window['limit']})")
+    if error := info.get("error"):
+        parts = ", ".join(f"{name} {100 * error[name]:.2g}" for name in ("slices", "radii", "angles"))
+        lines.append(f"error {100 * error['reached']:.2g} % of {100 * error['asked']:.2g} % ({parts})")
+    return lines
+
+
 def is_table(path: str | Path) -> bool:
     """Whether a file is one of a table's two."""
     path = Path(path)
@@ -74,6 +85,8 @@ def table_facts(path: str | Path) -> dict[str, Any]:
         "terms": sidecar.get("terms"),
         "albedo_max": sidecar.get("albedo_max"),
         "energy": sidecar.get("energy"),
+        "coherence": sidecar.get("coherence"),
+        "error": sidecar.get("error"),
     }
 
 

@@ -100,6 +100,22 @@ def staircase(index, depth, period, wavelength, theta, polarisation, harmonics=2
     return coupled_waves(index, layers, depth, period, wavelength, theta, polarisation, harmonics)
 
 
+def sawtooth(index, depth, period, wavelength, theta, polarisation, harmonics=30, steps=30, mirror=False):
+    """Efficiencies of `orders` of ``depth frac(x / d)``, which falls at a vertical wall, cut into ``steps`` layers."""
+    level = (np.arange(32 * steps) + 0.5) / (32 * steps)
+    level = level[::-1] if mirror else level
+    top = 1.0 - (np.arange(steps) + 0.5) / steps
+    return coupled_waves(index, level > top[:, None], depth, period, wavelength, theta, polarisation, harmonics)
+
+
+def groove(index, depth, period, wavelength, theta, polarisation, width, wall, harmonics=30, steps=8):
+    """Efficiencies of `orders` of a ridge ``width`` wide at half its height, whose walls lean over ``wall``."""
+    x = (np.arange(800) + 0.5) / 800 * period
+    level = np.clip((0.5 * (width + wall) - np.abs(x - 0.5 * period)) / wall, 0.0, 1.0)
+    top = 1.0 - (np.arange(steps) + 0.5) / steps
+    return coupled_waves(index, level > top[:, None], depth, period, wavelength, theta, polarisation, harmonics)
+
+
 def coordinate_transformation(
     index: complex,
     heights: np.ndarray,
@@ -108,6 +124,7 @@ def coordinate_transformation(
     theta: float,
     polarisation: int,
     harmonics: int = 25,
+    film: tuple[complex, float] | None = None,
 ) -> np.ndarray:
     """Efficiencies of `orders` of a smooth profile, ``(samples,)`` heights over one period.
 
@@ -115,6 +132,8 @@ def coordinate_transformation(
     obeys ``(beta^2 + rho (alpha A + A alpha) - rho^2 C) F = 0`` with A and C the Toeplitz matrices of a' and
     1 + a'^2 and beta^2 = k^2 n^2 - alpha^2: a linear eigenvalue problem of twice the size. The field and
     ``(rho C - A alpha) F`` (TE; divided by n^2 for TM) are continuous. Propagating waves in air are known exactly.
+    A ``film`` (index, thickness along y) that follows the relief is a plane slab in these coordinates, so that it is no
+    harder than the surface alone: its waves run from either face, each measured where it starts.
     """
     k = 2.0 * np.pi / wavelength
     index = np.conj(complex(index))  # fields go with exp(-i omega t) here
@@ -166,16 +185,36 @@ def coordinate_transformation(
     if len(down) != size:
         raise ArithmeticError("The downward waves cannot be told apart; take another number of harmonics.")
     low_rho, low = rho[down], field[:, down]
-    weight = 1.0 if polarisation == TE else 1.0 / index**2
+
+    def weight(n):
+        return 1.0 if polarisation == TE else 1.0 / n**2
+
     incident = wave(0, -k * np.cos(theta))[:, None]
-    matrix = np.block([[up, -low], [flux(up_rho, up) / k, -weight * flux(low_rho, low) / k]])
-    right = np.concatenate([-incident, -flux(np.array([-k * np.cos(theta)]), incident) / k])
+    top = [up, flux(up_rho, up) / k]
+    bottom = [low, weight(index) * flux(low_rho, low) / k]
+    right = [-incident, -flux(np.array([-k * np.cos(theta)]), incident) / k]
+    if film is None:
+        matrix = np.block([[over, -below] for over, below in zip(top, bottom, strict=True)])
+    else:
+        n, thickness = np.conj(complex(film[0])), film[1]
+        rho, field = modes(n)
+        slab = [field, weight(n) * flux(rho, field) / k]
+        falls = rho.imag < 0.0  # as s falls from 0 to -thickness; the others start below
+        upper = np.exp(1j * rho * np.where(falls, 0.0, thickness))
+        lower = np.exp(1j * rho * np.where(falls, -thickness, 0.0))
+        none_up, none_low = np.zeros_like(up), np.zeros_like(low)
+        matrix = np.block(
+            [[over, -inside * upper, none_low] for over, inside in zip(top, slab, strict=True)]
+            + [[none_up, inside * lower, -below] for inside, below in zip(slab, bottom, strict=True)]
+        )
+        right += [np.zeros((2 * size, 1))]
+    right = np.concatenate(right)
     amplitude = np.linalg.solve(matrix, right)[: len(propagating), 0]
     return np.abs(amplitude) ** 2 * beta / (k * np.cos(theta))
 
 
-def sinusoidal(index, depth, period, wavelength, theta, polarisation, harmonics=25):
-    """Efficiencies of `orders` of the profile ``depth / 2 sin(2 pi x / d)``."""
+def sinusoidal(index, depth, period, wavelength, theta, polarisation, harmonics=25, film=None):
+    """Efficiencies of `orders` of the profile ``depth / 2 sin(2 pi x / d)``, and of a film that follows it."""
     x = (np.arange(256) + 0.5) / 256
     heights = 0.5 * depth * np.sin(2.0 * np.pi * x)
-    return coordinate_transformation(index, heights, period, wavelength, theta, polarisation, harmonics)
+    return coordinate_transformation(index, heights, period, wavelength, theta, polarisation, harmonics, film)

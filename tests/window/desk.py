@@ -63,8 +63,19 @@ class Desk:
         x, y, width, height = self.look("rectangle('VIEW_3D', 'WINDOW')")
         self.driver.point(x + width // 3, y + height // 2)
 
-    def browse(self, what, path, **options):
+    def browse(self, what, path, already=False, **options):
         """Press a button that opens a file browser, choose a file there, or leave it by Esc for None.
+
+        Parameters
+        ----------
+        what
+            The button.
+        path
+            The file.
+        already
+            A browser is open already; Blender may take it or open another.
+        options
+            Of the browser's sidebar.
 
         Returns
         -------
@@ -73,11 +84,13 @@ class Desk:
         """
         windows = self.look("len(bpy.context.window_manager.windows)")
         self.press(what, wait=False)
+        self.settle()
         deadline = time.monotonic() + 30.0
-        while self.look("len(bpy.context.window_manager.windows)") == windows:
+        while not already and self.look("len(bpy.context.window_manager.windows)") == windows:
             assert time.monotonic() < deadline, "No file browser opened"
             time.sleep(0.2)
         self.settle()
+        windows = self.look("len(bpy.context.window_manager.windows)") - 1
         space = f"window({windows}).screen.areas[0].spaces.active"
         active = f"{space}.active_operator"
         offered = {name: self.look(f"{active}.{name}") for name in ("size_um", "height_nm")}

@@ -45,6 +45,18 @@ def test_import_another_a_picture_and_cancel(enabled, scans):
     assert enabled.console() == []
 
 
+def test_import_while_a_browser_is_open(enabled, scans):
+    before = enabled.state("scan_path")
+    enabled.press("diffraction.import_scan", wait=False)
+    enabled.settle()
+    enabled.browse("diffraction.import_scan", scans / "two.gsf", already=True)
+    assert enabled.state("scan_path") != before and "48 x 48 px" in enabled.state("scan_info")
+    enabled.close_windows()
+    enabled.browse("diffraction.import_scan", scans / "one.gsf")
+    assert "64 x 64 px" in enabled.state("scan_info")
+    assert enabled.console() == []
+
+
 def test_undo_and_redo_of_a_preset(enabled):
     first = enabled.state("scan_info")
     enabled.open_panel("preset", above="diffraction.import_scan")

@@ -16,6 +16,7 @@ sys.path.insert(0, str(ROOT))
 
 from precompute.evaluate.orders import order_efficiencies  # noqa: E402
 from tests.truth.rigorous import ALUMINIUM, KERATIN, TE, TM, fresnel, lamellar, sinusoidal  # noqa: E402
+from tools.docs import rcwa_more  # noqa: E402
 from tools.docs.fill_page import fill, table  # noqa: E402
 
 PAGE = ROOT / "docs" / "rcwa.md"
@@ -279,6 +280,7 @@ def main():
         "worst": worst_table(found),
         "side by side": side_by_side_table(),
         "fresnel": fresnel_table(),
+        **rcwa_more.blocks(),
     }
     fill(PAGE, blocks)
 

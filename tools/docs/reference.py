@@ -22,7 +22,7 @@ is not given from the panel where the two share a name.
 PANELS = {
     "Preset Structure": ("preset", "preset_size_um", "preset_pixels"),
     "Levelling": ("level", "align_rows", "clip_percent", "smooth_nm", "tile", "use_crop", "crop_um"),
-    "Bake": ("ensemble", "sigma_s_um", "detail"),
+    "Bake": ("ensemble", "sigma_s_um", "detail", "error_percent"),
     "Bake > Material of the Surface": ("substrate", "films", "lacquer"),
     "Bake > Advanced": ("table_name", "illuminant", "illuminant_file", "series", "tolerance", "energy", "limit_mb",
                         "scale_headroom", "depth_headroom"),

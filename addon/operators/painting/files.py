@@ -30,6 +30,9 @@ def told(made: Paint, material: str) -> str:
     """What was painted, and what could not be shown."""
     text = f"{material} is painted with {RECIPES[made.info['recipe']].label}, {made.shape[1]} x {made.shape[0]}"
     left = {name: part for name, part in made.info.get("marked", {}).items() if part >= 0.005}
+    bare = made.info.get("without_structure", 0.0)
+    if bare >= 0.005:
+        text += f"; {100 * bare:.0f} % would need a period above the table's and stay without structure"
     if left:
         text += "; without structure: " + ", ".join(f"{100 * part:.0f} % {_WHY[name]}" for name, part in left.items())
     return text

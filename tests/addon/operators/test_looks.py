@@ -10,6 +10,8 @@ pytestmark = pytest.mark.usefixtures("blender")
 
 
 def test_only_on_request(tmp_path):
+    from diffraction_shader.addon.tables import estimates
+
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     state = bpy.context.scene.diffraction
     names = list(LOOKS["cd"].settings())
@@ -21,6 +23,29 @@ def test_only_on_request(tmp_path):
     for name, value in LOOKS["cd"].settings().items():
         assert getattr(state, name) == (pytest.approx(value) if isinstance(value, float) else value)
     assert (state.use_crop, state.smooth_nm) == (False, 0.0)
+    # A patch on which the window of sunlight fits, unless the caller names its side.
+    sides = []
+    for given in ({}, {"size_um": 20.0}):
+        bpy.ops.diffraction.make_preset(preset="cd", pixels=64, look=True, **given)
+        sides.append(estimates.estimate(bpy.context.scene, wait=True))
+    assert sides[0].size_m[0] == pytest.approx(LOOKS["cd"].patch_um * 1e-6)
+    assert sides[1].size_m[0] == pytest.approx(20e-6)
+
+
+def test_coherence_of_sunlight_is_a_button(tmp_path):
+    """16.25 um on a wide patch; a quarter of the side and a warning on a small one."""
+    from diffraction_shader.addon.tables import estimates
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    state = bpy.context.scene.diffraction
+    assert not bpy.ops.diffraction.coherence_of_sunlight.poll()
+    for side_um, sigma_um in ((80.0, 16.25), (40.0, 10.0)):
+        bpy.ops.diffraction.make_preset(preset="flat", pixels=64, size_um=side_um)
+        assert bpy.ops.diffraction.coherence_of_sunlight() == {"FINISHED"}
+        assert state.sigma_s_um == pytest.approx(sigma_um)
+    state.ensemble, state.sigma_s_um = "single", 16.25
+    found = estimates.estimate(bpy.context.scene, wait=True)
+    assert "side lobes of 1.4e-02" in found.coherence.warning
 
 
 @pytest.mark.parametrize("name", LOOKS)

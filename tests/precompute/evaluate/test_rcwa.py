@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from tests.truth.rigorous import ALUMINIUM, KERATIN, TE, TM, coupled_waves, fresnel, orders, sinusoidal, staircase
+from tools.docs import rcwa_more
 from tools.docs.fill_page import block
 from tools.docs.rcwa_page import (
     ANGLES,
@@ -89,3 +90,61 @@ def test_limits_are_those_of_the_page(material, shape, angle, period):
     following = DEPTHS_NM[: (0 if reached is None else DEPTHS_NM.index(reached) + 1) + 1]
     found = {depth: errors(Grating(material, shape, period, depth), angle).all_light for depth in following}
     assert deepest(found) == reached
+
+
+def test_a_flat_film_in_the_coordinate_transformation_is_the_transfer_matrix():
+    from precompute.stack import parse_stack
+
+    theta = np.radians(35.0)
+    m = orders(1.5e-6, WAVELENGTH, theta)
+    for index, typed in ((ALUMINIUM, rcwa_more.ALUMINIUM_TYPED), (KERATIN, "1.55")):
+        found = [sinusoidal(index, 0.0, 1.5e-6, WAVELENGTH, theta, p, 8, (1.46, 130e-9)) for p in (TE, TM)]
+        stack = parse_stack(typed, ["1.46:130"])
+        truth = stack.reflectance(np.array([WAVELENGTH]), np.array([np.cos(theta)]))[0, 0]
+        assert np.mean([values[m == 0] for values in found]) == pytest.approx(truth, rel=1e-6)
+
+
+def test_energy_is_kept_by_a_film_on_a_relief_without_losses():
+    """A film of the substrate's own index is the bare relief."""
+    theta = np.radians(25.0)
+    for p in (TE, TM):
+        bare = sinusoidal(ALUMINIUM, 100e-9, 1.5e-6, WAVELENGTH, theta, p, 15)
+        like_air = sinusoidal(ALUMINIUM, 100e-9, 1.5e-6, WAVELENGTH, theta, p, 15, (1.0, 90e-9))
+        np.testing.assert_allclose(like_air, bare, rtol=1e-4, atol=1e-6)
+
+
+def numbers_of(name, row):
+    return [float(cell) for cell in page_rows(name)[row][1:]]
+
+
+@pytest.mark.parametrize(("row", "period", "side"), [(0, 0, 1), (2, 1, 1), (3, 1, -1)])
+def test_sawteeth_are_those_of_the_page(row, period, side):
+    found = rcwa_more.sawtooth_row(rcwa_more.SAWTEETH[period], side)
+    np.testing.assert_allclose(found, numbers_of("sawtooth", row)[:4], atol=2e-3)
+
+
+def test_the_preset_blazed_grating_passes_1_and_capped_does_not():
+    """Published for the issue: 0.836 (TE) and 0.865 (TM) rigorous, 1.025 with R = 1."""
+    te, tm, plain, capped = rcwa_more.sawtooth_row(2.5e-6, 1)
+    assert (te, tm) == (pytest.approx(0.836, abs=0.01), pytest.approx(0.865, abs=0.01))
+    assert plain == pytest.approx(1.025, abs=1e-3)
+    flat = np.mean(fresnel(ALUMINIUM, np.arcsin(0.11)))
+    assert capped * flat == pytest.approx(0.5 * (te + tm), rel=0.02)
+
+
+@pytest.mark.parametrize("angle", rcwa_more.FILM_ANGLES)
+def test_a_film_that_follows_the_relief_is_within_5_percent(angle):
+    stated = numbers_of("films", rcwa_more.FILM_ANGLES.index(angle))
+    for thickness, on_page in zip(rcwa_more.FILMS_NM, stated, strict=False):
+        coated, bare = rcwa_more.film_errors(thickness, angle)
+        assert bare < 0.05 and coated < 0.05
+        assert 100 * coated == pytest.approx(on_page, abs=0.02)
+
+
+@pytest.mark.parametrize("angle", rcwa_more.DISC_ANGLES)
+def test_a_disc_under_its_plastic_is_within_5_percent(angle):
+    under, imitated = rcwa_more.disc_errors(angle)
+    assert under < 0.05 < imitated
+    assert [100 * under, 100 * imitated] == pytest.approx(
+        numbers_of("disc", rcwa_more.DISC_ANGLES.index(angle)), abs=0.1
+    )

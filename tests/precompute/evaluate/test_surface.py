@@ -160,6 +160,8 @@ def test_gaussian_window_sits_in_the_middle():
 def test_default_widths():
     field = HeightField(np.zeros((20, 30)), 1e-6, 2e-6)
     assert window.default_sigma_s(field, "average") == pytest.approx(3e-6)
-    assert window.default_sigma_s(field, "single") == pytest.approx(16.25e-6)
+    assert window.default_sigma_s(field, "single") == pytest.approx(7.5e-6)  # a quarter of the side
+    wide = HeightField(np.zeros((80, 80)), 1e-6, 1e-6)
+    assert window.default_sigma_s(wide, "single") == pytest.approx(16.25e-6)  # of sunlight
     with pytest.raises(ParameterError):
         window.default_sigma_s(field, "both")

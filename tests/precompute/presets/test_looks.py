@@ -22,6 +22,7 @@ def test_every_preset_has_a_look_and_no_other():
 
 
 def parameters_of(look, **more):
+    more.setdefault("error", 0.01 * look.error_percent)
     return BakeParameters(
         sigma_s_m=look.sigma_s_um * 1e-6 or None, ensemble=look.ensemble, level=look.level,
         stack=parse_stack(look.substrate, split_films(look.films)), lacquer=look.lacquer or None, **more,
@@ -33,15 +34,21 @@ def test_a_look_fits_its_patch(name):
     """The window is at most a quarter of the patch, else the patch cuts it off; the table stays moderate."""
     look = LOOKS[name]
     assert look.ensemble in ENSEMBLES and look.level in LEVELS
-    assert look.sigma_s_um <= PRESETS[name].size_um / 4.0
+    size_um = look.patch_um or PRESETS[name].size_um
+    assert look.sigma_s_um <= size_um / 4.0
     parameters = parameters_of(look)
-    field = prepare(make_preset(name), parameters)
-    assert bake_cost(field, parameters).texel_bytes < 60e6
+    field = prepare(make_preset(name, size_um * 1e-6, look.patch_pixels or None), parameters)
+    cost = bake_cost(field, parameters)
+    assert cost.texel_bytes < 60e6 < cost.refined_bytes
 
 
 def test_a_look_says_what_it_is():
-    assert look_of("blazed").summary() == "conductor, along the UV map, levelling none, average, coherence 8 um"
-    assert look_of("cd").summary() == "Al under polycarbonate, radial, levelling none, average, coherence 8 um"
+    assert look_of("blazed").summary() == (
+        "conductor, along the UV map, levelling none, average, coherence 16.25 um on 65 um, error 10 %"
+    )
+    assert look_of("cd").summary() == (
+        "Al under polycarbonate, radial, levelling none, average, coherence 16.25 um on 65.6 um, error 10 %"
+    )
     assert look_of("titanium_ripple").summary().startswith("TiO2:50 on Ti, along")
     assert "dielectric of index 1.55" in look_of("snake").summary()
 

@@ -6,11 +6,12 @@ import functools
 import numpy as np
 import pytest
 
+from precompute.evaluate.scaled import ScaledTable
 from precompute.table import importance as module
 from precompute.table.importance import albedo_free_cosine, importance, read_origin, save_importance
 from tests.support.blender import tables
 from tests.truth import radiance
-from tests.truth.hemisphere import around_the_mirror, direction, ideal_spread
+from tests.truth.hemisphere import around_the_mirror, direction, hemisphere, ideal_spread
 
 VIEWS = [(0, 0), (17, 11), (40, 53), (40, 200), (60, 171), (75, 300)]
 
@@ -170,3 +171,16 @@ def test_image_of_an_older_version_is_not_taken(found, tmp_path, monkeypatch):
     save_importance(found.image(), tmp_path / "i.exr", "abc", 0.7)
     monkeypatch.undo()
     assert read_origin(tmp_path / "i.exr") is None
+
+
+@pytest.mark.parametrize("view", [(0, 0), (50, 100)])
+@pytest.mark.parametrize(("scale", "depth"), [(0.8, 0.9), (0.5, 1.0), (1.3, 0.8)])
+def test_directions_on_a_scaled_surface_give_its_mean(table, found, view, scale, depth):
+    """The mean of f cos over the density is the integral over the hemisphere, whatever the density throws away."""
+    scaled, wr = ScaledTable(table, scale, depth), direction(*view)
+    random = np.random.default_rng(4)
+    wi, gain = found.draw_scaled(wr, *random.random((2, 60000)), scale)
+    weights = radiance.f_cos_xyz(scaled, wi, wr)[:, 1] * gain
+    directions, cell = hemisphere(500)
+    truth = (radiance.f_cos_xyz(scaled, directions, wr)[..., 1] * cell).sum()
+    assert weights.mean() == pytest.approx(truth, abs=max(0.015 * truth, 4.5 * weights.std() / np.sqrt(weights.size)))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Convergence in the wavelength step and in sigma_s: the thesis's blazed grating at six widths of the window."""
+"""Convergence in the wavelength step and in sigma_s: the thesis's blazed grating at six coherence lengths.
+
+Its labels are coherence lengths, 4 sigma_s (its window is "the gaussian window with 4 sigma_s").
+"""
 
 import numpy as np
 
@@ -13,7 +16,7 @@ from tools.docs.fill_page import table
 
 from .common import difference_cells, new_figure, snake
 
-_SIGMAS_UM = (3.25, 6.5, 15.0, 30.0, 45.0, 65.0)
+_LENGTHS_UM = (3.25, 6.5, 15.0, 30.0, 45.0, 65.0)
 _STEPS_NM = (40, 20, 10, 5, 2.5, 1)
 _FINEST_NM = 0.5
 
@@ -68,14 +71,15 @@ def _sigmas(pictures):
     views = np.radians(np.linspace(-80.0, 80.0, 801))
     wr = _in_plane(views)
     figure = new_figure(9.0, 7.0)
-    axes = figure.subplots(len(_SIGMAS_UM), 2, sharex="col", width_ratios=[2, 1])
+    axes = figure.subplots(len(_LENGTHS_UM), 2, sharex="col", width_ratios=[2, 1])
     field, rows = _blazed(), []
-    for (left, right), sigma in zip(axes, _SIGMAS_UM, strict=True):
+    for (left, right), length in zip(axes, _LENGTHS_UM, strict=True):
+        sigma = length / 4.0
         method = make_method("windowed", field, sigma * 1e-6, band=_LINE)
         xyz = method_xyz(method, _LIGHT, wr, step_m=1e-9)
         left.imshow(map_to_srgb(xyz)[None], aspect="auto", extent=(-80, 80, 0, 1))
         left.set_yticks([])
-        left.set_ylabel(f"{sigma:g} um", rotation=0, ha="right", va="center")
+        left.set_ylabel(f"{length:g} um", rotation=0, ha="right", va="center")
         near = np.radians(np.linspace(-37.0, -31.0, 301))
         u, _, w = uvw(_LIGHT, _in_plane(near))
         response = method.transform(u, np.zeros_like(u), w, 550e-9)
@@ -84,13 +88,19 @@ def _sigmas(pictures):
         # |P|^2 of an endless surface is a Gaussian of this width in u; of the patch alone sinc^2 of that.
         window = 2.0 * np.sqrt(np.log(2.0)) * 550e-9 / (2.0 * np.pi * sigma * 1e-6)
         patch = 0.886 * 550e-9 / 65e-6
-        rows.append([f"{sigma:g}", *[f"{1e3 * value:.2f}" for value in (_width(method), window, patch)]])
+        rows.append([f"{length:g}", f"{sigma:g}", *[f"{1e3 * value:.2f}" for value in (_width(method), window, patch)]])
     axes[0, 0].set_title("colours in the plane of incidence, light at 20 degrees", fontsize=10)
     axes[0, 1].set_title("order 1 at 550 nm", fontsize=10)
     for axis in axes[-1]:
         axis.set_xlabel("view angle, degrees")
     figure.savefig(pictures / "evaluation_sigma.png")
-    head = ["sigma_s, um", "width of order 1 in u, 1e-3", "of the window alone", "of the patch alone (65 um)"]
+    head = [
+        "coherence length, um",
+        "sigma_s, um",
+        "width of order 1 in u, 1e-3",
+        "of the window alone",
+        "of the patch alone (65 um)",
+    ]
     return table(head, rows)
 
 
