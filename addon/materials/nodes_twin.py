@@ -61,7 +61,8 @@ def build(
         return Parts(
             name=f"{name} {built_in}", layout=layout,
             value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel, kept),
-            albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine)) if conserve else None,
+            albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine), engine == "EEVEE")
+            if conserve else None,
             albedo_free=albedo_free,
             kept=kept,
             fresnel=fresnel, conserve=conserve,

@@ -147,7 +147,7 @@ def test_both_images_hold_the_guard(ball):
     assert tuple(table.atlas[layout.guard_y, layout.guard_x]) == GUARD
     image = importance.importance(table).image()
     assert tuple(image[importance.GUARD_Y, importance.GUARD_X]) == GUARD
-    around = image[importance.VIEWS :, : 2 * importance.GUARD_X + 1].copy()
+    around = image[importance.HEIGHT - 2 * importance.GUARD_X - 1 :, : 2 * importance.GUARD_X + 1].copy()
     around[importance.GUARD_X, importance.GUARD_X] = 0.0
     assert not around.any()
 
