@@ -13,13 +13,12 @@ from . import (
     fit,
     import_scan,
     make_preset,
-    pack,
     preview_levelling,
     reflectance,
     setting_presets,
     show_image,
 )
-from .farm import bake_lights
+from .farm import bake_lights, pack
 from .painting import paint
 
 _MODULES = (
