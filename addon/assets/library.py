@@ -4,60 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from pathlib import Path
 
 import bpy
 
-from ...precompute.presets import look_of
-from . import stage
+from ...precompute.presets import PRESETS
+from . import dress, stage
+from .looks import ASSETS, Asset
 
+__all__ = ["ASSETS", "Asset", "build_assets", "make_material"]
 
-@dataclass(frozen=True)
-class Asset:
-    """One material of the library; surface and bake are those that suit its preset.
-
-    Parameters
-    ----------
-    name, catalogue, description
-        As the asset browser shows them.
-    preset
-        Structure, see ``precompute.presets``.
-    parameters
-        Of the preset, in the units of their names.
-    pigment
-        Linear RGB under the diffraction.
-    """
-
-    name: str
-    catalogue: str
-    description: str
-    preset: str
-    parameters: dict = field(default_factory=dict)
-    pigment: tuple[float, float, float] = (0.012, 0.010, 0.009)
-
-
-_GREY = (0.03, 0.03, 0.031)
-
-ASSETS = (
-    Asset("Xenopeltis Skin", "Animals", "Sunbeam snake: steep saw-tooth scales on black skin", "snake"),
-    Asset("Elaphe Skin", "Animals", "Corn snake: shallow columns of micro-fibrils", "elaphe"),
-    Asset("Morpho", "Animals", "Ridges of a blue butterfly's scale over a stack of lamellae", "morpho"),
-    Asset("Jewel Beetle", "Animals", "Layers of melanin and chitin: green, blue at the rim", "jewel_beetle"),
-    Asset("CD", "Discs", "Pits 1.6 um apart; put the object's z axis through the hole", "cd", {}, _GREY),
-    Asset("DVD", "Discs", "Pits 0.74 um apart", "dvd", {}, _GREY),
-    Asset("Blu-ray", "Discs", "Pits 0.32 um apart: hardly any colour but at grazing light", "bluray", {}, _GREY),
-    Asset("Blazed Grating 400/mm", "Gratings", "Ruled plate that throws its light to one side", "blazed"),
-    Asset("Sinusoidal Grating", "Gratings", "Holographic grating of 2 um", "sinusoid"),
-    Asset("Holographic Foil", "Foils", "Crossed gratings of gift wrap and bank notes", "foil", {}, _GREY),
-    Asset("Brushed Metal", "Foils", "Random grooves along y", "brushed_metal", {}, _GREY),
-    Asset("Random Bumps", "Foils", "A field of random bumps after Stam", "stam_bumps"),
-    Asset("Gold Foil", "Foils", "Crossed gratings in gold", "gold_foil"),
-    Asset("Lacquered Holographic Foil", "Foils", "Crossed gratings under a clear varnish", "lacquered_foil"),
-    Asset("Oil on a Brushed Plate", "Foils", "A film of oil on brushed steel", "oily_plate", {}, _GREY),
-    Asset("Copper Grating 600/mm", "Gratings", "Sinusoidal grating in copper", "copper_plate"),
-    Asset("Anodised Titanium", "Gratings", "Ripple of laser pulses under an oxide film", "titanium_ripple"),
-)
 
 #: Told of progress: what is being made, and the fraction done.
 Progress = Callable[[str, float], object]
@@ -78,7 +34,7 @@ def build_assets(
     path
         The library's .blend; tables go to ``diffraction/`` beside it, the catalogue to its folder.
     only
-        Names of presets; empty takes all.
+        Names of materials, or of presets, which take those that are the preset as it is; empty takes all.
     detail
         Of the tables.
     samples
@@ -94,16 +50,14 @@ def build_assets(
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    ball, disc = stage.build(scene)
-    chosen = [asset for asset in ASSETS if not only or asset.preset in only]
+    shapes = stage.build(scene)
+    chosen = [asset for asset in ASSETS if not only or asset.name in only or (asset.is_plain and asset.preset in only)]
     catalogues = {name: _uuid(index) for index, name in enumerate(sorted({asset.catalogue for asset in ASSETS}), 1)}
     made = []
     for index, asset in enumerate(chosen):
         progress(asset.name, index / len(chosen))
-        look = look_of(asset.preset)
-        flat = look.orientation == "RADIAL"
-        material = make_material(asset, disc if flat else ball, detail, implementation)
-        pixels = stage.picture(scene, material, (ball, disc), flat, look.is_bright, samples)
+        material = make_material(asset, shapes[asset.shape], detail, implementation)
+        pixels = stage.picture(scene, material, shapes, asset.shape, asset.bright, samples)
         preview = material.preview_ensure()
         preview.image_size = (stage.SIDE, stage.SIDE)
         preview.image_pixels_float.foreach_set(pixels)
@@ -126,8 +80,13 @@ def build_assets(
 
 
 def make_material(asset: Asset, ob: bpy.types.Object, detail: float, implementation: str) -> bpy.types.Material:
-    """Bake an asset's structure and give an object its material."""
+    """Bake an asset's structure and give an object its finished material."""
+    state = bpy.context.scene.diffraction
+    for name in ("substrate", "films", "lacquer"):
+        state.property_unset(name)
     bpy.ops.diffraction.make_preset(preset=asset.preset, look=True, **asset.parameters)
+    for name, value in asset.surface.items():
+        setattr(state, name, value)
     bpy.ops.diffraction.bake(detail=detail)
     ob.data.materials.clear()
     for other in bpy.context.scene.objects:
@@ -137,10 +96,14 @@ def make_material(asset: Asset, ob: bpy.types.Object, detail: float, implementat
     material = ob.active_material
     assert material is not None and material.node_tree is not None
     material.name = asset.name
-    pigment = material.node_tree.nodes.get("Pigment")
-    if pigment is not None:
-        pigment.inputs["Color"].default_value = (*asset.pigment, 1.0)
+    dress.dress(material, asset, ob, _period_m(asset))
     return material
+
+
+def _period_m(asset: Asset) -> float:
+    """Grating period of an asset's structure; 1 um where it has none."""
+    values = {each.name: each.default for each in PRESETS[asset.preset].parameters} | asset.parameters
+    return float(values.get("period_um", 1.0)) * 1e-6
 
 
 def _write_catalogue(path: Path, catalogues: dict[str, str]) -> None:

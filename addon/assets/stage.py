@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stage on which materials are pictured: a ball under two suns, a disc under a bulb, a dim sky."""
+"""The stage on which materials are pictured: a ball under two suns, a disc and a card under a bulb, a sky."""
 
 from __future__ import annotations
 
 import math
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -20,11 +21,13 @@ SIDE = 128
 _SUNS = {"Sun": ((-0.35, -0.55, 0.75), 22.0), "Window": ((0.75, -0.3, 0.45), 9.0)}
 
 
-def build(scene: bpy.types.Scene) -> tuple[bpy.types.Object, bpy.types.Object]:
-    """A ball under two suns and a disc under a bulb near the camera, where a disc shows its spokes, and a dim sky."""
-    ball = _link(scene, "Ball", _ball())
-    disc = _link(scene, "Disc", _disc())
-    disc.rotation_euler = (math.radians(62.0), 0.0, math.radians(12.0))
+def build(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
+    """A ball under two suns, a disc and cards under a bulb near the camera, where a disc shows its spokes, and a
+    sky; all by the names that `picture` knows."""
+    shapes = {name: _link(scene, name.title(), make()) for name, make in _SHAPES.items()}
+    shapes["DISC"].rotation_euler = (math.radians(62.0), 0.0, math.radians(12.0))
+    for name in ("CARD", "PLATE"):
+        shapes[name].rotation_euler = (math.radians(76.0), 0.0, math.radians(8.0))
     for name, (direction, _) in _SUNS.items():
         light = bpy.data.lights.new(name, "SUN")
         light.angle = math.radians(1.0)
@@ -37,13 +40,29 @@ def build(scene: bpy.types.Scene) -> tuple[bpy.types.Object, bpy.types.Object]:
     camera.lens = 36.0 * 3.6 / 2.25
     scene.camera = _link(scene, "Camera", camera)
     scene.camera.location, scene.camera.rotation_euler = (0.0, -3.6, 0.0), (math.radians(90.0), 0.0, 0.0)
-    world = bpy.data.worlds.new("Dim Sky")
-    give_nodes(world)
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.05, 0.06, 0.08, 1.0)
-    scene.world = world
+    scene.world = _sky()
     scene.view_settings.view_transform = "Standard"
     bpy.context.view_layer.update()
-    return ball, disc
+    return shapes
+
+
+def _sky() -> bpy.types.World:
+    """A room that is dark below and bright above, for what mirrors it."""
+    world = bpy.data.worlds.new("Sky")
+    tree = give_nodes(world)
+    place, up, ramp = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "SeparateXYZ", "ValToRGB"))
+    tree.links.new(place.outputs["Generated"], up.inputs[0])
+    tree.links.new(up.outputs["Z"], ramp.inputs[0])
+    tree.links.new(ramp.outputs["Color"], tree.nodes["Background"].inputs["Color"])
+    colours = ramp.color_ramp
+    for each, at, colour in zip(
+        (colours.elements[0], colours.elements[1], *(colours.elements.new(0.5) for _ in range(2))),
+        (0.0, 1.0, 0.15, 0.55),
+        ((0.030, 0.030, 0.032), (0.40, 0.43, 0.48), (0.06, 0.065, 0.075), (0.24, 0.26, 0.30)),
+        strict=True,
+    ):
+        each.position, each.color = at, (*colour, 1.0)
+    return world
 
 
 def _ball(segments: int = 128, rings: int = 64) -> bpy.types.Mesh:
@@ -58,9 +77,41 @@ def _ball(segments: int = 128, rings: int = 64) -> bpy.types.Mesh:
 def _disc(segments: int = 192, rings: int = 4) -> bpy.types.Mesh:
     mesh = bpy.data.meshes.new("Disc")
     # From the rim inwards, so that the faces look up.
-    lon, radius = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, segments + 1), np.linspace(1.0, 0.2, rings + 1))
+    lon, radius = np.meshgrid(np.linspace(0.0, 2.0 * np.pi, segments + 1), np.linspace(1.0, 0.125, rings + 1))
     points = np.stack([radius * np.cos(lon), radius * np.sin(lon), np.zeros_like(lon)], -1).reshape(-1, 3)
     return _grid(mesh, points, np.stack([radius, lon], -1).reshape(-1, 2), segments + 1, rings + 1)
+
+
+def _card(width: float = 1.40, columns: int = 64, rows: int = 4) -> bpy.types.Mesh:
+    """A playing card, bent a little, so that its colours change across."""
+    mesh = bpy.data.meshes.new("Card")
+    u, v = np.meshgrid(np.linspace(0.0, 1.0, columns + 1), np.linspace(0.0, 1.0, rows + 1))
+    turn, radius = (u - 0.5) * 0.35, width / 0.35
+    points = np.stack([radius * np.sin(turn), 1.96 * (v - 0.5), radius * (np.cos(turn) - 1.0)], -1).reshape(-1, 3)
+    return _grid(mesh, points, np.stack([u, v], -1).reshape(-1, 2), columns + 1, rows + 1)
+
+
+def _body(rings: int = 160, around: int = 96) -> bpy.types.Mesh:
+    """Part of a snake that winds along x."""
+    mesh = bpy.data.meshes.new("Body")
+    x = np.linspace(-1.02, 1.02, rings + 1)
+    rise, bend = 0.30 * np.sin(3.2 * x), 0.96 * np.cos(3.2 * x)
+    turn = np.linspace(2.0 * np.pi, 0.0, around + 1)
+    norm = np.hypot(1.0, bend)
+    out = np.stack([-bend / norm, np.zeros_like(x), 1.0 / norm], -1)
+    ring = np.cos(turn)[None, :, None] * np.array([0.0, -1.0, 0.0]) + np.sin(turn)[None, :, None] * out[:, None]
+    points = np.stack([x, np.zeros_like(x), rise], -1)[:, None] + 0.36 * ring
+    uv = np.stack(np.broadcast_arrays(np.linspace(0.0, 1.0, rings + 1)[:, None], turn[None] / (2.0 * np.pi)), -1)
+    return _grid(mesh, points.reshape(-1, 3), uv.reshape(-1, 2), around + 1, rings + 1)
+
+
+_SHAPES: dict[str, Callable[[], bpy.types.Mesh]] = {
+    "BALL": _ball,
+    "DISC": _disc,
+    "CARD": _card,
+    "PLATE": lambda: _card(1.96),
+    "BODY": _body,
+}
 
 
 def _grid(mesh: bpy.types.Mesh, points: np.ndarray, uv: np.ndarray, columns: int, rows: int) -> bpy.types.Mesh:
@@ -75,10 +126,11 @@ def _grid(mesh: bpy.types.Mesh, points: np.ndarray, uv: np.ndarray, columns: int
 def picture(
     scene: bpy.types.Scene,
     material: bpy.types.Material,
-    objects: tuple[bpy.types.Object, bpy.types.Object],
-    flat: bool,
-    metal: bool,
+    shapes: dict[str, bpy.types.Object],
+    shape: str,
+    bright: float,
     samples: int,
+    side: int = SIDE,
 ) -> np.ndarray:
     """Render a material on its object.
 
@@ -87,30 +139,33 @@ def picture(
     scene
         That of `build`.
     material
-        On one of the objects.
-    objects
+        On one of the shapes.
+    shapes
         Those of `build`.
-    flat
-        Whether it is a disc, whose spokes a bulb near the camera shows.
-    metal
-        Whether it reflects like metal, twenty times as much as skin.
+    shape
+        Which of them; discs and cards show their colours under a bulb near the camera.
+    bright
+        How much brighter than dark skin it is: the suns shine that much less.
     samples
         A pixel.
+    side
+        Of the picture, pixels.
 
     Returns
     -------
     array
-        ``(SIDE * SIDE * 4,)`` RGBA as a display shows it, transparent beside the object, bottom row first.
+        ``(side * side * 4,)`` RGBA as a display shows it, transparent beside the object, bottom row first.
     """
-    for ob in objects:
-        ob.hide_render = ob.active_material != material
+    for name, ob in shapes.items():
+        ob.hide_render = name != shape
+    flat = shape not in ("BALL", "BODY")
     for name, (_, strength) in _SUNS.items():
         scene.objects[name].hide_render = flat
-        scene.objects[name].data.energy = strength * (0.06 if metal else 1.0)
+        scene.objects[name].data.energy = strength / bright
     scene.objects["Bulb"].hide_render = not flat
     bpy.context.view_layer.update()
     render = scene.render
-    render.resolution_x = render.resolution_y = SIDE
+    render.resolution_x = render.resolution_y = side
     render.resolution_percentage = 100
     render.film_transparent = True
     render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGBA"
@@ -119,7 +174,7 @@ def picture(
         render.filepath = str(Path(folder) / "preview.png")
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(render.filepath)
-        pixels = np.empty(SIDE * SIDE * 4, np.float32)
+        pixels = np.empty(side * side * 4, np.float32)
         image.pixels.foreach_get(pixels)
         bpy.data.images.remove(image)
     return pixels

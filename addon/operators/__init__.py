@@ -19,11 +19,12 @@ from . import (
     setting_presets,
     show_image,
 )
+from .farm import bake_lights
 from .painting import paint
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, coherence, apply_material, files, brdf_map, reflectance,
-    setting_presets, add_node, add_scales, paint, fit, asset_library, show_image, pack,
+    setting_presets, add_node, add_scales, paint, fit, asset_library, show_image, pack, bake_lights,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

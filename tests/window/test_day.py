@@ -78,3 +78,19 @@ def test_apply_then_other_fresnel(enabled):
     assert enabled.look(f"{node}.inputs['Fresnel'].default_value") != first
     enabled.shot("05_apply")
     assert enabled.console() == []
+
+
+def test_automatic_takes_osl_with_cycles_and_fits_when_the_engine_changes(enabled):
+    if not enabled.has_osl():
+        pytest.skip("this Blender was built without Open Shading Language")
+    needs = "addon('materials.material').needs_osl(bpy.context.object.active_material)"
+    enabled.run("before = bpy.context.scene.render.engine\nbpy.context.scene.render.engine = 'CYCLES'")
+    enabled.choose("implementation", "AUTO")
+    enabled.press("diffraction.apply_material")
+    assert enabled.look(needs)
+    enabled.run("bpy.context.scene.render.engine = before")
+    enabled.settle()
+    enabled.press("diffraction.fit_renderer")
+    assert not enabled.look(needs)
+    enabled.shot("06_fitted")
+    assert enabled.console() == []

@@ -57,6 +57,12 @@ def gallery():
     subprocess.run([sys.executable, ROOT / "tools" / "docs" / "gallery_page.py"], check=True)
 
 
+def looks():
+    """The contact sheet of the asset library, and the loop of the README."""
+    for name in ("looks_sheet.py", "motion.py"):
+        subprocess.run([sys.executable, ROOT / "tools" / "docs" / name], check=True)
+
+
 def implementation_picture():
     """OSL, Nodes in Cycles and Nodes in EEVEE side by side."""
     subprocess.run(
@@ -85,6 +91,7 @@ def main():
     paint_picture()
     guide()
     gallery()
+    looks()
     viewport_picture()
     implementation_picture()
     pages_with_numbers()

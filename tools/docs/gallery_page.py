@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 #: Pictures made of one frame: name, and samples a pixel.
-FRAMES = {"snake_sun": 24, "snake_studio": 20, "disc": 32, "plates": 24, "foil": 24, "stuff": 6}
+FRAMES = {"skins": 20, "snake_sun": 24, "snake_studio": 20, "disc": 32, "plates": 24, "foil": 24, "stuff": 6}
 
 #: Pictures made of several frames side by side: the frames are `disc.LAMPS`.
 STRIPS = {"disc_lamps": 16}

@@ -40,12 +40,11 @@ def draw(names):
         scene = bpy.context.scene
         scene.render.engine = "CYCLES"
         bpy.ops.wm.save_as_mainfile(filepath=os.path.join(tempfile.mkdtemp(), "scene.blend"))
-        ball, disc = stage.build(scene)
+        shapes = stage.build(scene)
         look = look_of(name)
-        flat = look.orientation == "RADIAL"
-        asset = library.Asset(name, "", "", name)
-        material = library.make_material(asset, disc if flat else ball, 1.0, "OSL")
-        pixels = stage.picture(scene, material, (ball, disc), flat, look.is_bright, 64)
+        asset = library.Asset(name, "", "", name, shape="DISC" if look.orientation == "RADIAL" else "BALL")
+        material = library.make_material(asset, shapes[asset.shape], 1.0, "OSL")
+        pixels = stage.picture(scene, material, shapes, asset.shape, asset.bright, 64)
         pixels = pixels.reshape(stage.SIDE, stage.SIDE, 4)[::-1]
         picture = Image.fromarray((np.clip(pixels, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8), "RGBA")
         picture.resize((SIDE, SIDE), Image.LANCZOS).save(FOLDER / f"{name}.png", optimize=True)

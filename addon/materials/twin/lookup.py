@@ -133,11 +133,12 @@ def gain(graph: Graph, layout: TableLayout, w: Socket) -> Socket | None:
     return None if layout.power == 1.0 else graph.math("POWER", w, layout.power - 1.0)
 
 
-def albedo(name: str, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
+def albedo(name: str, found: bpy.types.NodeTree, nearest: bool = False) -> bpy.types.NodeTree:
     """Group that gives the directional albedo of the raw model with R = 1, of the surface as it is scaled.
 
     Inputs: cosine of the angle, components against t and b; left tile and part of the next one, shares of three depths
     (`scaled_place`); 1 in EEVEE. The tiles lie in the image of directions; the first is that of the surface as baked.
+    `nearest` takes one tile without a look at the next one: EEVEE compiles long enough without.
     """
     tree = new_group(f"Diffraction albedo {name}")
     sockets: dict[str, tuple[str, object]] = {each: (_FLOAT, None) for each in ("Cosine", "AgainstT", "AgainstB")}
@@ -155,15 +156,16 @@ def albedo(name: str, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
         n_phi / (2.0 * math.pi * height),
         (importance.VIEWS + 1.5 + 0.5 * n_phi) / height,
     )
-    low, high = (
-        graph.scalar(
-            "DOT_PRODUCT",
-            graph.group(found, Place=graph.join(place, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"],
-            given["Shares"],
-        )
-        for place in (column, graph.sum(column, n_theta / width))
-    )
-    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.choose(given["TilePart"], low, high))
+
+    def tile(place: Socket) -> Socket:
+        value = graph.group(found, Place=graph.join(place, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"]
+        return graph.scalar("DOT_PRODUCT", value, given["Shares"])
+
+    if nearest:
+        value = tile(graph.fused(graph.math("ROUND", given["TilePart"]), n_theta / width, column))
+    else:
+        value = graph.choose(given["TilePart"], tile(column), tile(graph.sum(column, n_theta / width)))
+    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], value)
     return tree
 
 

@@ -191,3 +191,42 @@ def test_elaphe_has_columns_of_its_width():
     spectrum, fx, fy = power(make_preset("elaphe"))
     fingers = spectrum * ((np.abs(fx) > 0.65) & (np.abs(fx) < 1.4) & (np.abs(fy) < 1))
     assert 1.0 < 1 / ((fingers * np.abs(fx)).sum() / fingers.sum()) < 1.13
+
+
+def figures_of_the_scan(field):
+    """Of the sum of Y over the x order the part near its middle line, the largest Y there, the light of the y sector.
+
+    R = 1, light from above, on a disc of 400 x 400 direction cosines.
+    """
+    from precompute.bake import bake
+    from precompute.evaluate import brdf
+    from precompute.parameters import BakeParameters
+
+    table = bake(field, BakeParameters(sigma_s_m=6.5e-6, error=1.0))
+    x, y = np.meshgrid(*[(np.arange(400) + 0.5) / 200 - 1.0] * 2)
+    inside = x**2 + y**2 < 1.0
+    x, y = x[inside], y[inside]
+    seen = brdf(table, np.array([0.0, 0.0, 1.0]), np.stack([x, y, np.sqrt(1.0 - x**2 - y**2)], -1))[:, 1]
+    order = (np.abs(x) > 0.35) & (np.abs(x) < 0.75) & (np.abs(y) < 0.4)
+    r = np.hypot(x, y)
+    sector = (np.abs(y) > np.abs(x)) & (r > 0.2) & (r < 0.55)
+    share = seen[order & (np.abs(y) < 0.02)].sum() / seen[order].sum()
+    return share, seen[order].max(), seen[sector].sum() / 200**2
+
+
+def test_elaphe_spreads_its_light_as_its_scan():
+    """Of the 65 um scan: 71 %, 25.5 / sr, 0.013 of the light; heights of 434.7 nm. 12 %, 2.7 and 0.037 in 0.1.0."""
+    field = make_preset("elaphe")
+    share, largest, sector = figures_of_the_scan(field)
+    assert share == pytest.approx(0.71, rel=0.08)
+    assert largest == pytest.approx(25.5, rel=0.1)
+    assert sector == pytest.approx(0.013, rel=0.2)
+    assert np.ptp(field.heights) == pytest.approx(434.7e-9, rel=0.05)
+
+
+def test_elaphe_of_0_1_0_is_still_there():
+    """Its figures, by name of its parameters."""
+    old = {"row_period_um": 4.0, "height_nm": 120.0, "waviness_nm": 45.0, "disorder_percent": 100.0}
+    share, largest, sector = figures_of_the_scan(make_preset("elaphe", alignment_percent=0.0, **old))
+    assert (share, largest) == (pytest.approx(0.12, abs=0.01), pytest.approx(2.7, rel=0.05))
+    assert sector == pytest.approx(0.037, rel=0.05)
