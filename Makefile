@@ -92,6 +92,7 @@ bench: $(READY)
 	@$(PY) tools/bench/bench_commands.py
 	@$(PY) tools/bench/bench_scene.py
 	@$(PY) tools/bench/bench_cycles.py
+	@$(PY) tools/bench/bench_lights.py
 	@$(PY) tools/bench/bench_paint.py
 	@$(PY) tools/bench/bench_viewport.py
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -104,7 +105,13 @@ def _body(rings: int = 160, around: int = 96) -> bpy.types.Mesh:
     return _grid(mesh, points.reshape(-1, 3), uv.reshape(-1, 2), around + 1, rings + 1)
 
 
-_SHAPES = {"BALL": _ball, "DISC": _disc, "CARD": _card, "PLATE": lambda: _card(1.96), "BODY": _body}
+_SHAPES: dict[str, Callable[[], bpy.types.Mesh]] = {
+    "BALL": _ball,
+    "DISC": _disc,
+    "CARD": _card,
+    "PLATE": lambda: _card(1.96),
+    "BODY": _body,
+}
 
 
 def _grid(mesh: bpy.types.Mesh, points: np.ndarray, uv: np.ndarray, columns: int, rows: int) -> bpy.types.Mesh:

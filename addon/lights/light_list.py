@@ -101,6 +101,11 @@ def write(scene: bpy.types.Scene, sources: Sequence[Source]) -> bool:
     return changed
 
 
+def written_slots(scene: bpy.types.Scene) -> set[int]:
+    """Slots whose lights no driver follows, as the list was last written."""
+    return {slot for slot, source in _written.get(scene.as_pointer(), {}).items() if source.is_written}
+
+
 def _write_matrix(scene: bpy.types.Scene) -> bool:
     try:
         rows = xyz_to_rgb_matrix(working_space())

@@ -8,14 +8,19 @@ Principled BSDF to about 300.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 
 from ..lights import slots
+from ..renderers import OPTIX_BYTES
 from . import material as materials
 
-#: What OptiX has, and what each part takes.
-OPTIX_BYTES = 1024
+#: What each part takes.
 LOBE, MIRROR, PLAIN, PRINCIPLED, MIX = 64, 56, 56, 300, 96
+
+#: Kept free, since nothing tells when it is too much.
+SPARE = 64
 
 _PRINCIPLED = {"ShaderNodeBsdfPrincipled", "ShaderNodeBsdfHairPrincipled", "ShaderNodeBsdfMetallic"}
 
@@ -31,9 +36,22 @@ def needed(material: bpy.types.Material, lamps: int) -> int:
         Slots of the scene's list in use (``scene["diffraction_lamps"]``).
     """
     node = materials.shader_node(material)
-    mirrors = int(node.inputs["Environment"].default_value)
-    below = sum(_cost(each) for each in node.id_data.nodes)
-    return min(lamps, slots.SLOTS) * LOBE + mirrors * MIRROR + max(below, PLAIN)
+    return _sum(lamps, int(node.inputs["Environment"].default_value), node.id_data)
+
+
+def to_come(shown: Iterable[bpy.types.Material | None], lamps: int, mirrors: int) -> int:
+    """The most bytes that any of some materials will take once it is ours.
+
+    Parameters
+    ----------
+    shown
+        As they are; None stands for a pigment of ours.
+    lamps
+        Lights that the scene's list will hold.
+    mirrors
+        Of the environment, a sample.
+    """
+    return max((_sum(lamps, mirrors, each.node_tree if each is not None else None) for each in shown), default=0)
 
 
 def fits_optix(material: bpy.types.Material, scene: bpy.types.Scene) -> bool:
@@ -44,6 +62,11 @@ def fits_optix(material: bpy.types.Material, scene: bpy.types.Scene) -> bool:
 def lamps_on_optix(material: bpy.types.Material) -> int:
     """The most lamps under which a material fits there."""
     return max(0, (OPTIX_BYTES - needed(material, 0)) // LOBE)
+
+
+def _sum(lamps: int, mirrors: int, tree: bpy.types.NodeTree | None) -> int:
+    below = sum(_cost(each) for each in tree.nodes) if tree is not None else 0
+    return min(lamps, slots.SLOTS) * LOBE + mirrors * MIRROR + max(below, PLAIN) + SPARE
 
 
 def _cost(node: bpy.types.Node) -> int:

@@ -11,9 +11,10 @@ TANGENT, BITANGENT = "Diffraction Tangent", "Diffraction Bitangent"
 HANDEDNESS = "Diffraction Handedness"
 ATTRIBUTE, ANGLE_IMAGE = "Diffraction Attribute", "Diffraction Angle Image"
 ANGLE = "Diffraction Angle"
+PLACE, FROM_AXIS, AROUND = "Diffraction Place", "Diffraction From Axis", "Diffraction Around"
 
 #: Nodes that a material's orientation is made of.
-NAMES = {TANGENT, BITANGENT, HANDEDNESS, ATTRIBUTE, ANGLE_IMAGE, ANGLE}
+NAMES = {TANGENT, BITANGENT, HANDEDNESS, ATTRIBUTE, ANGLE_IMAGE, ANGLE, PLACE, FROM_AXIS, AROUND}
 
 #: Rotation (radians) that makes the tangent of `radial_frame` point outwards.
 RADIAL_TURN = -0.5 * math.pi
@@ -93,13 +94,22 @@ def attribute_frame(
 def radial_frame(tree: bpy.types.NodeTree, at: tuple[float, float] = (0.0, 0.0)) -> tuple[bpy.types.NodeSocket, None]:
     """Tangent around the object's z axis through the middle of its bounding box: counter-clockwise.
 
-    Turned back by a right angle (`RADIAL_TURN`) the scan's x points away from the axis.
+    Turned back by a right angle (`RADIAL_TURN`) the scan's x points away from the axis. The direction is that of a
+    Tangent node, which Cycles however turns like a normal where Open Shading Language is off.
     """
-    node = tree.nodes.new("ShaderNodeTangent")
-    node.name = TANGENT
-    node.direction_type, node.axis = "RADIAL", "Z"
-    node.location = at
-    return node.outputs["Tangent"], None
+    place, centred = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeVectorMath")
+    around, turn = tree.nodes.new("ShaderNodeVectorMath"), tree.nodes.new("ShaderNodeVectorTransform")
+    place.name, centred.name, around.name, turn.name = PLACE, FROM_AXIS, AROUND, TANGENT
+    centred.label, around.label, turn.label = "From the middle", "Around z", "Scan's -y"
+    centred.operation, centred.inputs[1].default_value = "SUBTRACT", (0.5, 0.5, 0.5)
+    around.operation, around.inputs[0].default_value = "CROSS_PRODUCT", (0.0, 0.0, 1.0)
+    turn.vector_type, turn.convert_from, turn.convert_to = "VECTOR", "OBJECT", "WORLD"
+    for column, node in enumerate((turn, around, centred, place)):
+        node.location = (at[0] - 180.0 * column, at[1])
+    tree.links.new(place.outputs["Generated"], centred.inputs[0])
+    tree.links.new(centred.outputs["Vector"], around.inputs[1])
+    tree.links.new(around.outputs["Vector"], turn.inputs["Vector"])
+    return turn.outputs["Vector"], None
 
 
 def angle_image(

@@ -252,7 +252,7 @@ def settings_of(material: bpy.types.Material) -> Settings:
     orientation, turn = "UV", inputs["Rotation"].default_value
     if attribute is not None:
         orientation = "ATTRIBUTE"
-    elif tangent is not None and getattr(tangent, "direction_type", "") == "RADIAL":
+    elif nodes.get(frame.AROUND) is not None or getattr(tangent, "direction_type", "") == "RADIAL":
         orientation, turn = "RADIAL", turn - frame.RADIAL_TURN
     elif picture is not None:
         orientation = "TEXTURE"
@@ -359,7 +359,7 @@ def _orient(tree: bpy.types.NodeTree, node: bpy.types.Node, settings: Settings) 
     for socket, name in ((tangent, "Tangent"), (bitangent, "Bitangent"), (handedness, "Handedness")):
         if socket is not None:
             tree.links.new(socket, node.inputs[name])
-    is_direction = settings.orientation == "ATTRIBUTE" or handedness is not None
+    is_direction = settings.orientation in {"ATTRIBUTE", "RADIAL"} or handedness is not None
     node.inputs["TangentIsDirection"].default_value = int(is_direction)
     node.inputs["Rotation"].default_value = turn
     if settings.orientation == "TEXTURE":

@@ -17,7 +17,7 @@ from ...precompute.table.layout import TableLayout
 from ..lights import slots
 from .node import interface, lamp_nodes
 from .node_graph import Graph, Socket, Value
-from .twin import environment, lamps, lookup
+from .twin import aimed, environment, lamps, lookup, seen
 from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
@@ -110,22 +110,23 @@ def _lamps(
     Cycles knows the scene's list when it compiles: an empty slot leaves no nodes behind.
     """
     graph = surface.graph
-    jitter = lamps.jitter(graph, random)
     closure: Any = None
     shown: Any = None
     outside: Value = 1.0
     outside_in_eevee = enabled
-    for slot in range(1, slots.SLOTS + 1):
-        lamp = lamp_nodes.lamp(graph, slot).outputs
-        sockets: dict[str, Any] = {name: lamp[name] for name in lamp_nodes.OUTPUTS} | {"To": drawn["To"]}
-        more: dict[str, Any] = {"Random": random, "Jitter": jitter, "Step": lamps.step(slot)}
-        aimed = surface.group(lobe, **sockets, **more).outputs
-        closure = aimed["Lobe"] if closure is None else surface.both(closure, aimed["Lobe"])
-        outside = graph.product(outside, aimed["Outside"])
+    listed = [lamp_nodes.lamp(graph, slot).outputs for slot in range(1, slots.SLOTS + 1)]
+    lobes, taken = _aimed(surface, listed, random, drawn["To"])
+    chance = graph.product(graph.split(random)[2], lamps.WEIGHT_MIN)
+    for slot, (lamp, one) in enumerate(zip(listed, lobes, strict=True), 1):
+        given = {name: one[name] for name in ("To", "Aim", "Width", "Weight", "Narrow", "On")}
+        lit = surface.group(lobe, **given, Hits=taken[f"Hits {slot}"], Chance=chance).outputs["Lobe"]
+        closure = lit if closure is None else surface.both(closure, lit)
+        outside = graph.product(outside, one["Outside"])
         if slot <= lamps.EEVEE_LAMPS_MAX:
-            seen = surface.group(for_eevee, **sockets).outputs
-            shown = seen["Colour"] if shown is None else graph.vector("ADD", shown, seen["Colour"])
-            outside_in_eevee = graph.product(outside_in_eevee, seen["Outside"])
+            sockets: dict[str, Any] = {name: lamp[name] for name in lamp_nodes.OUTPUTS}
+            by_eevee = surface.group(for_eevee, **sockets, To=drawn["To"]).outputs
+            shown = by_eevee["Colour"] if shown is None else graph.vector("ADD", shown, by_eevee["Colour"])
+            outside_in_eevee = graph.product(outside_in_eevee, by_eevee["Outside"])
     plain = _mirror(surface, drawn, graph.product(drawn["Weight"], outside))
     if surface.parts.albedo is not None:
         plain = surface.mixed(
@@ -137,6 +138,24 @@ def _lamps(
         graph.vector("MULTIPLY", drawn["RGB"], world), graph.product(drawn["Finished"], outside_in_eevee)
     )
     return closure, graph.vector("ADD", shown, by_world)
+
+
+def _aimed(surface: Surface, listed: list[Any], random: Socket, drawn: Socket) -> tuple[list[Any], Any]:
+    """Outputs of `aimed.aimed` for each slot, and those of `seen.hits`."""
+    graph, position = surface.graph, surface["Position"]
+    jitter, place, lobe = aimed.jitter(graph, random), seen.place(), aimed.aimed()
+    each = [{name: lamp[name] for name in lamp_nodes.OUTPUTS} | {"Position": position} for lamp in listed]
+    places = [graph.group(place, **one).outputs for one in each]
+    named: dict[str, Any] = {f"Axis {slot}": one["Axis"] for slot, one in enumerate(places, 1)}
+    edges: dict[str, Any] = {f"Edge {slot}": one["Edge"] for slot, one in enumerate(places, 1)}
+    gaps = graph.group(seen.gaps(), **named, **edges).outputs
+    lobes = []
+    for slot, one in enumerate(each, 1):
+        more: dict[str, Any] = {"Random": random, "Jitter": jitter, "Step": aimed.step(slot), "Drawn": drawn}
+        lobes.append(graph.group(lobe, **one, **more, Cone=surface["Cone"], Gap=gaps[f"Gap {slot}"]).outputs)
+    for slot, aim in enumerate(lobes, 1):
+        named |= {f"Aim {slot}": aim["Aim"], f"Cosine {slot}": aim["Cosine"]}
+    return lobes, graph.group(seen.hits(), **named).outputs
 
 
 def _mirror(surface: Surface, drawn: Any, weight: Socket) -> Socket:

@@ -161,7 +161,7 @@ def write_sidecar(known: bpy.types.ID) -> None:
 
 def beside(folder: Path) -> list[Path]:
     """Tables of OSL materials that a .blend in a folder needs beside itself, since OSL reads files alone."""
-    found = {}
+    found: dict[Path, None] = {}  # in order, once each
     for each in owners():
         atlas = each.get(ATLAS)
         tree: Any = each.node_tree if isinstance(each, bpy.types.Material) else each

@@ -13,17 +13,17 @@ from . import (
     fit,
     import_scan,
     make_preset,
-    pack,
     preview_levelling,
     reflectance,
     setting_presets,
     show_image,
 )
+from .farm import bake_lights, pack
 from .painting import paint
 
 _MODULES = (
     import_scan, make_preset, preview_levelling, bake, coherence, apply_material, files, brdf_map, reflectance,
-    setting_presets, add_node, add_scales, paint, fit, asset_library, show_image, pack,
+    setting_presets, add_node, add_scales, paint, fit, asset_library, show_image, pack, bake_lights,
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)

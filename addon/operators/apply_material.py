@@ -14,7 +14,7 @@ from ...precompute.errors import DiffractionError
 from .. import paths, properties, renderers
 from ..given import is_given, take
 from ..lights import gather
-from ..materials import handlers, material, setup
+from ..materials import closures, handlers, material, setup
 from ..versions import give_nodes, limits
 from ..watch import slots
 
@@ -114,7 +114,9 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         take(self, context.scene.diffraction, _FROM_PANEL)
         implementation, why = self.implementation, ""
         if implementation == "AUTO":
-            implementation, why = renderers.choose(context.scene)
+            implementation, why = renderers.choose(
+                context.scene, closure_bytes=closure_bytes(context, self.all_slots, self.environment)
+            )
         elif implementation == "OSL" and not renderers.has_osl():
             self.report({"ERROR"}, NO_OSL)
             return {"CANCELLED"}
@@ -159,6 +161,25 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         if found.left_out:
             self.report({"WARNING"}, gather.too_many(found))
         return {"FINISHED"}
+
+
+def closure_bytes(context: bpy.types.Context, every: bool, mirrors: int) -> int:
+    """What the selected objects' materials will take of OptiX's closures in OSL; 0 on any other device.
+
+    Parameters
+    ----------
+    context
+        Its scene and selection.
+    every
+        All slots of the objects, not the active one alone.
+    mirrors
+        Of the environment, a sample.
+    """
+    if not renderers.on_optix(context.scene):
+        return 0
+    targets = [ob for ob in context.selected_objects if slots.takes_material(ob)]
+    shown = [place.material for place in slots.chosen(targets, every)]
+    return closures.to_come(shown, len(handlers.search(context.scene).chosen), mirrors)
 
 
 def settings_from(owner: Any, implementation: str) -> material.Settings:

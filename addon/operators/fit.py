@@ -30,7 +30,7 @@ class DIFFRACTION_OT_fit_renderer(bpy.types.Operator):
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         scene = context.scene
-        if not renderers.why_not_osl(scene):
+        if not renderers.why_not_osl(scene) and not scene.cycles.shading_system:
             setup.take_up(scene)
             scene.cycles.shading_system = True
             self.report({"INFO"}, "Open Shading Language is on for this scene")

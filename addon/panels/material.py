@@ -9,7 +9,9 @@ from typing import Any
 import bpy
 
 from .. import paths, renderers
+from ..lights import keyed, light_list
 from ..materials import material, scale, setup, travel
+from ..operators.apply_material import closure_bytes
 from ..operators.files import farm_copies, is_fresh
 from ..tables.table_state import READY, table_state
 from ..versions import EEVEE
@@ -31,7 +33,9 @@ class DIFFRACTION_PT_material(Stage, bpy.types.Panel):
         layout.prop(state, "implementation")
         implementation = state.implementation
         if implementation == "AUTO":
-            implementation, reason = renderers.choose(context.scene, background=False)
+            implementation, reason = renderers.choose(
+                context.scene, False, closure_bytes(context, False, state.environment)
+            )
             note(layout, f"{'OSL' if implementation == 'OSL' else 'Nodes'}: {reason}")
         if implementation == "NODES" and context.scene.render.engine == EEVEE:
             note(layout, "EEVEE shows four lamps, by their middle; Cycles shows all light")
@@ -196,6 +200,9 @@ class DIFFRACTION_PT_files(Sidebar, bpy.types.Panel):
             count = f"{len(users)} material{'s' * (len(users) != 1)}"
             note(layout, f"{file_name(place.name)}: {size}, {count}", "TEXTURE" if ready else "ERROR")
         layout.label(text=f"{megabytes(total)} of texture in all")
+        if light_list.written_slots(context.scene) or keyed.is_baked(context.scene):
+            note(layout, "Instances bring lamps: without this extension a renderer needs keys for them", "LIGHT")
+            layout.operator("diffraction.bake_lights", icon="KEYFRAME")
         if broken:
             layout.operator("diffraction.rebake", text="Bake Broken Again", icon="FILE_REFRESH").scope = "BROKEN"
             layout.operator("diffraction.find_files", icon="VIEWZOOM")

@@ -14,7 +14,7 @@ import bpy
 from ..materials import material, travel
 from ..materials.node import group
 from ..tables.table_state import table_state
-from ..versions import EEVEE
+from ..versions import EEVEE, texture_t_is_down
 from . import images
 
 
@@ -44,11 +44,13 @@ def _of_cycles(scene: bpy.types.Scene, suffix: str) -> Iterator[str]:
         return
     known = cycles.bl_rna.properties
     name = f"texture_resolution{suffix}"  # since Blender 5.0
-    if getattr(cycles, name, 1.0) < 1.0 and _materials():
-        yield _sentence(f"Simplify > {known[name].name}", _materials())
+    # OSL of Blender 4.5 reads files by itself, whatever Simplify says.
+    asked = [each for each in _materials() if not (texture_t_is_down() and material.needs_osl(each))]
+    if getattr(cycles, name, 1.0) < 1.0 and asked:
+        yield _sentence(f"Simplify > {known[name].name}", asked)
     name = f"texture_limit{suffix}"
     limit = getattr(cycles, name, "OFF")
-    larger = [each for each in _materials() if limit != "OFF" and _side(each) > int(limit)]
+    larger = [each for each in asked if limit != "OFF" and _side(each) > int(limit)]
     if larger:
         yield _sentence(f"Simplify > {known[name].name}", larger)
 

@@ -64,6 +64,9 @@ def _follow(socket: bpy.types.NodeSocket, depth: int = 8) -> Orientation:
         return Orientation("ATTRIBUTE", node.attribute_name)
     if node.bl_idname == "ShaderNodeUVMap":
         return Orientation("UV", node.uv_map)
+    if node.bl_idname == "ShaderNodeVectorMath" and node.operation == "CROSS_PRODUCT" and not node.inputs[0].links:
+        axis = max("XYZ", key=lambda name: node.inputs[0].default_value["XYZ".index(name)])  # `frame.radial_frame`
+        return Orientation("RADIAL", axis)
     for each in node.inputs:
         if each.links:
             return _follow(each, depth - 1)

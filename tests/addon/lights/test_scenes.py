@@ -93,8 +93,9 @@ def test_a_copied_scene_follows_its_own_lamps(blender, tmp_path):
     assert light_list.place(1, copy) == pytest.approx(Vector(SUN_B).normalized(), abs=1e-5)
 
 
-def test_set_scene_lights_too(blender, tmp_path):
-    set_up(tmp_path)
+@BOTH
+def test_set_scene_lights_too(blender, tmp_path, implementation):
+    set_up(tmp_path, implementation)
     first = bpy.context.scene
     lamp = add_sun(first, SUN_A, "sun")
     alone = shot()
@@ -173,6 +174,60 @@ def test_lamp_of_geometry_nodes(blender, tmp_path):
     assert shot() == pytest.approx(alone, rel=0.01)
     rig.location = (100.0, 0.0, 0.0)
     assert shot().max() < 0.01 * alone.max()
+
+
+def test_lamps_of_instances_are_keyed_for_farms(blender, tmp_path):
+    """Frame by frame as with the extension, which is gone then; a second bake and Clear leave nothing behind."""
+    set_up(tmp_path)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 3
+    spot = add_lamp("SPOT", (1.0, -1.0, 2.5), energy=300.0, spot_size=2.5, shadow_soft_size=0.02)
+    rotation = tuple(spot.rotation_euler)
+    spot.location, spot.rotation_euler = (0, 0, 0), (0, 0, 0)
+    scene.collection.objects.unlink(spot)
+    bpy.data.collections.new("hidden").objects.link(spot)
+    mesh = bpy.data.meshes.new("points")
+    mesh.from_pydata([(1.0, -1.0, 2.5)], [], [])
+    rig = bpy.data.objects.new("rig", mesh)
+    scene.collection.objects.link(rig)
+    rig.modifiers.new("nodes", "NODES").node_group = instancing(spot, rotation)
+    for frame, x in ((1, 0.0), (3, -0.8)):
+        rig.location.x = x
+        rig.keyframe_insert("location", frame=frame)
+
+    def frames():
+        found = []
+        for frame in (1, 2, 3):
+            scene.frame_set(frame)
+            found.append(shot())
+        return np.array(found)
+
+    from diffraction_shader.addon.lights import keyed
+    from diffraction_shader.addon.materials import handlers
+
+    with_extension = frames()
+    assert np.abs(with_extension[0] - with_extension[2]).max() > 0.02 * with_extension.max()
+    scene.frame_set(2)
+    for _ in range(2):
+        assert bpy.ops.diffraction.bake_lights() == {"FINISHED"}
+    assert scene.frame_current == 2 and keyed.is_baked(scene)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "keyed.blend"))
+    handlers.unregister()
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "keyed.blend"))
+        scene = bpy.context.scene
+        assert frames() == pytest.approx(with_extension, rel=0.01)
+    finally:
+        handlers.register()
+    assert bpy.ops.diffraction.bake_lights(clear=True) == {"FINISHED"}
+    assert not keyed.is_baked(scene)
+
+
+def test_lamps_that_drivers_follow_need_no_keys(blender, tmp_path):
+    set_up(tmp_path)
+    add_sun(bpy.context.scene, SUN_A, "sun")
+    bpy.context.view_layer.update()
+    assert bpy.ops.diffraction.bake_lights() == {"CANCELLED"}
 
 
 def instancing(ob, rotation):

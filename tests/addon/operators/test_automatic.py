@@ -66,6 +66,33 @@ def test_a_gpu_without_osl_is_known(renderers):
     preferences.compute_device_type = "NONE"
 
 
+def test_automatic_takes_nodes_where_optix_has_no_room(plane, capfd, renderers, monkeypatch):
+    """A device of which only its name is known here: 14 lamps fit OptiX over a plain pigment, 15 do not."""
+    from diffraction_shader.addon.materials import closures
+    from diffraction_shader.addon.watch import misfits
+
+    scene = bpy.context.scene
+    monkeypatch.setattr(renderers, "_gpu", lambda scene: "OPTIX")
+    for number in range(13):
+        scenes.add_sun((0.1 * number - 0.7, 0.3, 1.0))
+    assert bpy.ops.diffraction.apply_material(environment=0) == {"FINISHED"}
+    assert implementation(plane) == "OSL" and misfits.misfits(scene) == []
+    assert closures.lamps_on_optix(plane.active_material) == 14
+    scenes.add_sun((0.7, 0.9, 1.0))
+    bpy.context.view_layer.update()
+    assert misfits.misfits(scene) == [plane.active_material]
+    assert "OptiX has no room" in misfits.why(scene)
+    assert bpy.ops.diffraction.fit_renderer() == {"FINISHED"}
+    assert implementation(plane) == "NODES" and misfits.misfits(scene) == []
+    plane.data.materials.clear()
+    assert bpy.ops.diffraction.apply_material(environment=0) == {"FINISHED"}
+    assert implementation(plane) == "NODES"
+    assert "set up with Nodes, because with this scene's lamps it takes 1,080 bytes" in capfd.readouterr().out
+    monkeypatch.setattr(renderers, "_gpu", lambda scene: "")
+    assert bpy.ops.diffraction.apply_material(environment=0) == {"FINISHED"}
+    assert implementation(plane) == "OSL"
+
+
 def test_automatic_is_the_default_and_told(plane, capfd, renderers, monkeypatch):
     state = bpy.context.scene.diffraction
     assert state.implementation == "AUTO"

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 import bpy
 
-from ...precompute.errors import DiffractionError
-from ...precompute.files.atomic import atomic_path
-from .. import paths
-from ..materials import material, travel
-from ..materials.node import group
+from ....precompute.errors import DiffractionError
+from ....precompute.files.atomic import atomic_path
+from ... import paths
+from ...materials import material, travel
+from ...materials.node import group
 
 
 def _images(packed: bool) -> Iterator[bpy.types.Image]:

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a lamp's lobe is aimed, how wide it is and what it counts, as ``shaders/lamps.osl`` and ``diffraction.osl``.
+
+A *whole* lobe holds all of a lamp and no other one; f is taken at a random point of the lamp. A *narrow* lobe stands
+about a random place of a lamp beside others, or of one that shines unevenly (spread, texture, a glowing mesh).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import bpy
+
+from ..node import lamp_nodes
+from ..node_graph import Graph, Socket, Value, interface, new_group
+from .seen import ALL_ROUND, Seen, seen
+
+_FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
+
+#: Radius (radians) up to which a sun takes its random point by the cheap way, see `_near`.
+SMALL_SUN = 0.03
+
+#: As in ``shaders/diffraction.osl``: least radius of a whole lobe among others, limits of narrow ones.
+CONE_MIN, NARROW_MIN, NARROW_MAX = 0.03, 0.005, 0.012
+
+#: Steps of a lattice that fills the cube evenly (Roberts 2018, R3), as in ``shaders/diffraction.osl``.
+_LATTICE = (0.8191725134, 0.6710436067, 0.5497004779)
+
+#: Inputs of the group beside a lamp's, and outputs.
+_INPUTS = {
+    "Position": _VECTOR, "Cone": _FLOAT, "Random": _VECTOR, "Jitter": _VECTOR, "Step": _VECTOR, "Gap": _FLOAT,
+    "Drawn": _VECTOR,
+}  # fmt: skip
+OUTPUTS = {
+    "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Cosine": _FLOAT, "Narrow": _FLOAT,
+    "On": _FLOAT, "Outside": _FLOAT,
+}  # fmt: skip
+
+
+def jitter(graph: Graph, random: Socket) -> Socket:
+    """A random vector in a cube that has, from any side, the mean square of a disc of radius 1."""
+    return graph.vector("MULTIPLY_ADD", random, (math.sqrt(3.0),) * 3, (-0.5 * math.sqrt(3.0),) * 3)
+
+
+def step(slot: int) -> tuple[float, float, float]:
+    """What a slot's random numbers are away from those that all share."""
+    x, y, z = (math.fmod(slot * each, 1.0) for each in _LATTICE)
+    return x, y, z
+
+
+def aimed() -> bpy.types.NodeTree:
+    """Group of a slot.
+
+    Direction to a random point, direction and half-angle of the lobe, what f cos is to be multiplied by, cosine of a
+    whole lobe (2 where there is none), whether it is a narrow one, whether there is a lamp, and 1 where the direction
+    ``Drawn`` from the environment is not left to it.
+    """
+    tree = new_group("Diffraction lobe of a lamp")
+    interface(tree, {name: (kind, None) for name, kind in (lamp_nodes.OUTPUTS | _INPUTS).items()}, OUTPUTS)
+    graph = Graph(tree)
+    given: Any = graph.add("NodeGroupInput").outputs
+    lamp = seen(graph, given["Position"], given)
+
+    # Spread and unevenness are constants to Cycles; only what stands beside others is known at the place alone.
+    has_spread = graph.product(lamp.is_area, graph.math("LESS_THAN", given["Size"], ALL_ROUND))
+    is_uneven = graph.math("MINIMUM", graph.sum(given["Uneven"], has_spread), 1.0)
+    is_crowded = graph.math("LESS_THAN", given["Gap"], lamp.held)
+    is_wide = graph.math("GREATER_THAN", lamp.radius, CONE_MIN)
+    is_narrow = graph.product(is_wide, graph.choose(is_uneven, is_crowded, 1.0))
+    is_whole = graph.difference(1.0, is_narrow)
+    width = _narrow_width(graph, given, lamp)
+    room = graph.math("MAXIMUM", given["Gap"], CONE_MIN)
+    cone = graph.math("MAXIMUM", graph.math("MINIMUM", given["Cone"], room), lamp.held)
+    cone = graph.math("MINIMUM", cone, 0.5 * math.pi)
+
+    # Where light within a cone is uneven, lobes about its rim count too; else they keep clear of the lamp's edge.
+    beyond = graph.product(given["Uneven"], graph.difference(1.0, lamp.is_area))
+    shown_width = graph.product(width, is_narrow)
+    radius = graph.sum(lamp.radius, graph.product(beyond, shown_width))
+    inset = graph.product(graph.difference(1.0, beyond), shown_width)
+    far = _far(graph, given, lamp, radius, inset, graph.product(width, has_spread), has_spread)
+    to, gain, omega, low, high = far
+    is_far = graph.math("GREATER_THAN", graph.product(given["Size"], lamp.is_sun), 2.0 * SMALL_SUN)
+    is_far = graph.math("MAXIMUM", is_far, graph.difference(1.0, lamp.is_sun))
+    near = graph.scaled(_near(graph, given, lamp), graph.difference(1.0, is_far))
+    to = graph.vector("ADD", near, graph.scaled(to, is_far))
+    s = graph.math("SINE", graph.product(cone, 0.5))
+    of_whole = graph.product(s, s, graph.choose(is_far, 1.0, gain), 4.0 * math.pi)
+
+    aim = graph.mix(is_narrow, lamp.axis, to)
+    whole_cosine = graph.math("COSINE", cone)
+    has_whole = graph.product(is_whole, lamp.is_on)
+    drawn = graph.scalar("DOT_PRODUCT", given["Drawn"], lamp.axis)
+    within_whole = graph.product(has_whole, graph.math("GREATER_THAN", drawn, whole_cosine))
+    within_narrow = graph.math("GREATER_THAN", drawn, graph.math("COSINE", radius))
+    within_area = _holds(graph, given["Drawn"], lamp, low, high)
+    within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
+    outputs: dict[str, Value] = {
+        "To": to, "Aim": aim, "Width": graph.choose(is_narrow, cone, width),
+        "Weight": graph.choose(is_narrow, of_whole, omega), "Cosine": graph.choose(has_whole, 2.0, whole_cosine),
+        "Narrow": is_narrow, "On": lamp.is_on,
+        "Outside": graph.difference(graph.difference(1.0, within_whole), within),
+    }  # fmt: skip
+    out = graph.add("NodeGroupOutput")
+    for name, socket in outputs.items():
+        graph.put(out.inputs[name], socket)
+    return tree
+
+
+def _narrow_width(graph: Graph, given: Any, lamp: Seen) -> Socket:
+    """Half-angle of a narrow lobe: by the lamp's radius, and less than light of a spread changes within."""
+    half = graph.product(graph.math("MINIMUM", given["Size"], 3.1), 0.5)
+    by_spread = graph.choose(lamp.is_area, NARROW_MAX, graph.product(graph.math("TANGENT", half), 0.035))
+    width = graph.math("MINIMUM", graph.product(lamp.radius, 0.3), graph.math("MINIMUM", by_spread, NARROW_MAX))
+    return graph.math("MAXIMUM", width, NARROW_MIN)
+
+
+def _near(graph: Graph, given: Any, lamp: Seen) -> Socket:
+    """A random direction to a small sun: of the same mean square, the same random numbers for all."""
+    to = graph.vector("MULTIPLY_ADD", given["Jitter"], lamp.radius, lamp.axis)
+    return graph.vector("NORMALIZE", to)
+
+
+def _far(
+    graph: Graph, given: Any, lamp: Seen, radius: Socket, inset: Socket, margin: Socket, has_spread: Socket
+) -> tuple[Socket, Socket, Socket, list[Socket], list[Socket]]:
+    """A random direction to a wide lamp.
+
+    Suns and balls stand for the disc that they look like. Points are drawn evenly from the part of the lamp that shines
+    here; solid angle per area goes as the cube of one over the distance.
+
+    Returns
+    -------
+    to
+        Unit.
+    gain
+        The solid angle per area in units of its mean over the lamp, taken at four points that integrate cubics over
+        the square or the disc exactly.
+    omega
+        Solid angle per probability: that of the part of the lamp that shines, evenly drawn.
+    low, high
+        The part that shines, along u and along v, in units of them.
+    """
+    x, y, _ = graph.split(graph.vector("FRACTION", graph.vector("ADD", given["Random"], given["Step"])))
+    upright = graph.math("GREATER_THAN", graph.math("ABSOLUTE", graph.split(lamp.axis)[2]), 0.7)
+    helper = graph.mix(upright, (0.0, 0.0, 1.0), (1.0, 0.0, 0.0))
+    side = graph.vector("NORMALIZE", graph.vector("CROSS_PRODUCT", helper, lamp.axis))
+    other = graph.vector("CROSS_PRODUCT", lamp.axis, side)
+    tan = graph.math("TANGENT", graph.math("MINIMUM", radius, 1.5))
+    tan = graph.product(tan, graph.difference(1.0, lamp.is_area))
+    u, v = (graph.vector("ADD", graph.scaled(each, tan), h) for each, h in ((side, lamp.u), (other, lamp.v)))
+    middle = graph.mix(lamp.is_area, lamp.axis, lamp.offset)
+    normal = graph.vector("CROSS_PRODUCT", u, v)
+    area = graph.scalar("LENGTH", normal)
+    # The distance of the lamp's plane times |u x v|.
+    height = graph.math("ABSOLUTE", graph.scalar("DOT_PRODUCT", normal, middle))
+
+    # What lobes keep clear of the edge by, as seen from here. Lamps thinner than that are missed in part.
+    square = graph.scalar("DOT_PRODUCT", middle, middle)
+    edge = graph.product(inset, graph.quotient(graph.product(square, area), graph.math("MAXIMUM", height, 1e-12)))
+    low, high, size, covered, rooms = [], [], [], [], []
+    drawn: list[Any] = []
+    anywhere: list[Any] = []
+    for axis, random in ((u, x), (v, y)):
+        length2 = graph.scalar("DOT_PRODUCT", axis, axis)
+        each = graph.quotient(edge, graph.math("SQRT", length2))
+        room = graph.math("MAXIMUM", graph.difference(1.0, each), 0.0)
+        thin = graph.quotient(1.0, graph.math("MAXIMUM", graph.product(each, lamp.is_area), 1.0))
+        thin2 = graph.product(thin, thin)
+        covered.append(graph.product(thin, graph.fused(thin2, 1.0 - 4.0 / math.pi, 4.0 / math.pi)))
+        # What its spread leaves is a square about the foot, wider by the lobe. All of this folds without spread.
+        half = graph.math("TANGENT", graph.math("MINIMUM", graph.fused(given["Size"], 0.5, margin), 1.57))
+        reach = graph.quotient(graph.quotient(graph.product(height, half), area), graph.math("SQRT", length2))
+        foot = graph.quotient(graph.product(graph.scalar("DOT_PRODUCT", middle, axis), -1.0), length2)
+        bounds = []
+        for sign, clip in (("SUBTRACT", "MAXIMUM"), ("ADD", "MINIMUM")):
+            end = -1.0 if sign == "SUBTRACT" else 1.0
+            bound = graph.math(sign, foot, reach)
+            bounds.append(graph.choose(has_spread, end, graph.math(clip, bound, end)))
+            limit = graph.product(room, end)
+            clipped = graph.math(clip, bound, limit)
+            bounds.append(graph.choose(has_spread, limit, clipped))
+        low.append(bounds[0])
+        high.append(bounds[2])
+        size.append(graph.math("MAXIMUM", graph.difference(bounds[2], bounds[0]), 0.0))
+        drawn.append(graph.fused(graph.difference(bounds[3], bounds[1]), random, bounds[1]))
+        anywhere.append(graph.fused(graph.difference(bounds[2], bounds[0]), random, bounds[0]))
+        rooms.append(room)
+    # On a disc, evenly; with spread what is drawn outside of it counts nothing.
+    is_disc = graph.product(graph.difference(1.0, lamp.is_rectangle), graph.difference(1.0, has_spread))
+    least_room = graph.math("MINIMUM", *rooms)
+    root, turn = graph.product(graph.math("SQRT", x), least_room), graph.product(y, 2.0 * math.pi)
+    disc = [graph.product(root, graph.math(name, turn)) for name in ("COSINE", "SINE")]
+    is_clipped_disc = graph.product(graph.difference(1.0, lamp.is_rectangle), has_spread)
+    square = graph.fused(anywhere[0], anywhere[0], graph.product(anywhere[1], anywhere[1]))
+    counts = graph.difference(1.0, graph.product(is_clipped_disc, graph.math("GREATER_THAN", square, 1.0)))
+    inwards = graph.math("MINIMUM", graph.quotient(least_room, graph.math("SQRT", square)), 1.0)
+    anywhere = [graph.product(each, inwards) for each in anywhere]
+    at = [
+        graph.choose(is_disc, graph.choose(is_clipped_disc, s, a), d)
+        for s, a, d in zip(drawn, anywhere, disc, strict=True)
+    ]
+    to = graph.vector("MULTIPLY_ADD", v, at[1], graph.vector("MULTIPLY_ADD", u, at[0], middle))
+
+    nearness = graph.math("POWER", graph.scalar("LENGTH", to), -3.0)
+    part = graph.sum(graph.product(lamp.is_rectangle, 1.0 / math.sqrt(3.0) - 0.5), 0.5)
+    total: Any = None
+    for sign in ("ADD", "SUBTRACT"):
+        corner = graph.scaled(graph.vector(sign, u, v), part)
+        for way in ("ADD", "SUBTRACT"):
+            one = graph.math("POWER", graph.scalar("LENGTH", graph.vector(way, middle, corner)), -3.0)
+            total = one if total is None else graph.sum(total, one)
+    gain = graph.quotient(graph.product(nearness, 4.0), total)
+    shape = graph.choose(is_disc, 1.0, 0.25 * math.pi)
+    omega = graph.product(shape, size[0], size[1], height)
+    omega = graph.product(omega, nearness, counts)
+    omega = graph.quotient(omega, graph.product(*covered))
+    return graph.vector("NORMALIZE", to), gain, omega, low, high
+
+
+def _holds(graph: Graph, direction: Socket, lamp: Seen, low: list[Socket], high: list[Socket]) -> Socket:
+    """1 where a direction meets the part of an area lamp that shines here."""
+    normal = graph.vector("CROSS_PRODUCT", lamp.u, lamp.v)
+    along = graph.scalar("DOT_PRODUCT", direction, normal)
+    t = graph.quotient(graph.scalar("DOT_PRODUCT", lamp.offset, normal), along)
+    q = graph.vector("SUBTRACT", graph.scaled(direction, t), lamp.offset)
+    inside: Any = graph.math("GREATER_THAN", t, 0.0)
+    square: Any = None
+    for axis, first, last in zip((lamp.u, lamp.v), low, high, strict=True):
+        each = graph.quotient(graph.scalar("DOT_PRODUCT", q, axis), graph.scalar("DOT_PRODUCT", axis, axis))
+        inside = graph.product(inside, graph.math("GREATER_THAN", each, first), graph.math("LESS_THAN", each, last))
+        square = graph.product(each, each) if square is None else graph.fused(each, each, square)
+    beyond = graph.product(graph.difference(lamp.is_area, lamp.is_rectangle), graph.math("GREATER_THAN", square, 1.0))
+    return graph.product(inside, graph.difference(1.0, beyond))
