@@ -83,7 +83,7 @@ def _bags(scene: bpy.types.Scene) -> list[bpy.types.ActionChannelbag]:
     bags = []
     for layer in animation.action.layers:
         for strip in layer.strips:
-            bag = strip.channelbag(animation.action_slot)
+            bag = strip.channelbag(animation.action_slot) if isinstance(strip, bpy.types.ActionKeyframeStrip) else None
             if bag is not None:
                 bags.append(bag)
     return bags

@@ -142,10 +142,10 @@ def _angles() -> bpy.types.NodeTree:
 
 def _nearest() -> bpy.types.NodeTree:
     graph, given, out = _new("Diffraction nearest other", _each("Angle", 1) | _each("Edge", 1), {"Gap": _FLOAT})
-    gap: Socket | None = None
-    for place in _SLOTS[:-1]:
-        each = graph.difference(given[f"Angle {place}"], given[f"Edge {place}"])
-        gap = each if gap is None else graph.math("MINIMUM", gap, each)
+    gaps = [graph.difference(given[f"Angle {place}"], given[f"Edge {place}"]) for place in _SLOTS[:-1]]
+    gap = gaps[0]
+    for each in gaps[1:]:
+        gap = graph.math("MINIMUM", gap, each)
     graph.put(out.inputs["Gap"], gap)
     return graph.tree
 
@@ -153,11 +153,10 @@ def _nearest() -> bpy.types.NodeTree:
 def _hits_of_one() -> bpy.types.NodeTree:
     sockets = {"Aim": _VECTOR} | _each("Axis", 1) | _each("Cosine", 1)
     graph, given, out = _new("Diffraction lobes that hold one", sockets, {"Hits": _FLOAT})
-    total: Socket | None = None
+    total: Socket | float = 0.0
     for place in _SLOTS[:-1]:
         cosine = graph.scalar("DOT_PRODUCT", given["Aim"], given[f"Axis {place}"])
-        within = graph.math("GREATER_THAN", cosine, given[f"Cosine {place}"])
-        total = within if total is None else graph.sum(total, within)
+        total = graph.sum(total, graph.math("GREATER_THAN", cosine, given[f"Cosine {place}"]))
     graph.put(out.inputs["Hits"], total)
     return graph.tree
 
