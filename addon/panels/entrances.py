@@ -59,11 +59,11 @@ def _import(self: Any, context: bpy.types.Context) -> None:
 
 #: What the menu lists and the search therefore finds, by the panel's order; None stands for a line.
 COMMANDS = (
-    "import_scan", "make_preset", "preview_levelling", None,
+    "import_scan", "make_preset", "preview_levelling", "coherence_of_sunlight", None,
     "bake", "apply_material", "paint", "remove_paint", "fit_renderer", "make_local", "restore_settings",
     "bake_lights", None,
     "viewport_render", "brdf_map", "reflectance", None,
-    "use_material_scan", "rebake", "check_files", "find_files", "collect_files", None,
+    "use_material_scan", "rebake", "check_files", "find_files", "collect_files", "pack", "unpack", None,
     "make_asset_library", "clear_cache",
 )  # fmt: skip
 

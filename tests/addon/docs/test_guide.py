@@ -68,7 +68,7 @@ def test_every_property_of_the_scene_is_in_the_reference_or_holds_state(blender)
     state = {
         "rna_type", "name", "scan_path", "source_path", "source_sha256", "reading", "scan_info", "table_path",
         "table_recipe", "imported", "channels", "message", "presets", "map_image", "plot_result", "illuminant_data",
-        "stack_colour",
+        "stack_colour", "paint",
     }  # fmt: skip
     page = (GUIDE / "parameters.md").read_text(encoding="utf-8")
     known = bpy.context.scene.diffraction.bl_rna.properties

