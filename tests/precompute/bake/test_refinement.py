@@ -105,7 +105,7 @@ def test_the_truth_of_these_tests_is_the_reference():
 
 
 def test_what_the_plan_holds_anyway_costs_nothing():
-    """A flat mirror's table, 5 % off as planned, is the plan's where 6 % are asked for; a coarse detail asks for less."""
+    """A flat mirror errs by 5 % as planned: 6 % change nothing. A coarse detail asks for less."""
     flat = HeightField(np.zeros((128, 128)), 90e-9, 90e-9)
     plain, coarse = bake(flat, BakeParameters(error=0.06)), bake(field_of(8.0), BakeParameters(detail=0.3))
     assert plain.layout == bake(flat, BakeParameters(error=1.0)).layout
