@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from typing import Any
 
 import bpy
 
@@ -178,6 +179,31 @@ def new_group(name: str) -> bpy.types.NodeTree:
     if tree is None or tree.library is not None or tree.bl_idname != "ShaderNodeTree":
         tree = bpy.data.node_groups.new(name, "ShaderNodeTree")
     tree.nodes.clear()
+    return tree
+
+
+def shared_group(
+    name: str,
+    inputs: Mapping[str, tuple[str, object]],
+    outputs: dict[str, str],
+    fill: Callable[[Graph, Any, Any], None],
+) -> bpy.types.NodeTree:
+    """A group that hangs on no table, as this file has it, or made: every node that is added takes its time.
+
+    Parameters
+    ----------
+    name, inputs, outputs
+        Of the group, see `interface`; one of that name with other sockets is made anew.
+    fill
+        Adds its nodes to a graph, from the sockets given to those wanted.
+    """
+    tree = bpy.data.node_groups.get((name, None))
+    if tree is None or set(tree.interface.items_tree.keys()) != {*inputs, *outputs} or not tree.nodes:
+        tree = new_group(name)
+        interface(tree, inputs, outputs)
+        graph = Graph(tree)
+        given = graph.add("NodeGroupInput").outputs if inputs else None
+        fill(graph, given, graph.add("NodeGroupOutput").inputs)
     return tree
 
 

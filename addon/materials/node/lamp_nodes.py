@@ -24,7 +24,7 @@ import bpy
 from ....precompute.light.colour import xyz_to_rgb_matrix
 from ...colour_spaces import working_space
 from ...lights import slots
-from ..node_graph import Graph, Socket, interface, new_group
+from ..node_graph import Graph, Socket, shared_group
 
 #: Outputs of a slot's group: name, type.
 OUTPUTS = {
@@ -47,17 +47,15 @@ def _attribute(graph: Graph, name: str) -> bpy.types.Node:
 def lamp(graph: Graph, slot: int) -> bpy.types.Node:
     """A node with the outputs above, of a slot counted from 1."""
     name = f"Diffraction Lamp {slot:02d}"
-    tree = bpy.data.node_groups.get((name, None))
-    if tree is None or set(tree.interface.items_tree.keys()) != set(OUTPUTS) or not tree.nodes:
-        tree = new_group(name)
-        interface(tree, {}, OUTPUTS)
-        inner = Graph(tree)
-        read = [_attribute(inner, each) for each in slots.names(slot)]
-        out = inner.add("NodeGroupOutput")
-        for part, (vector, number) in enumerate((("Place", "Kind"), ("U", "Size"), ("V", "Uneven"))):
-            inner.put(out.inputs[vector], read[part].outputs["Vector"])
-            inner.put(out.inputs[number], read[part].outputs["Alpha"])
-    return graph.add("ShaderNodeGroup", node_tree=tree, label=name)
+
+    def fill(inner: Graph, _: Any, wanted: Any) -> None:
+        pairs = (("Place", "Kind"), ("U", "Size"), ("V", "Uneven"))
+        for each, (vector, number) in zip(slots.names(slot), pairs, strict=True):
+            read = _attribute(inner, each).outputs
+            inner.put(wanted[vector], read["Vector"])
+            inner.put(wanted[number], read["Alpha"])
+
+    return graph.add("ShaderNodeGroup", node_tree=shared_group(name, {}, OUTPUTS, fill), label=name)
 
 
 def count(graph: Graph) -> Socket:

@@ -23,7 +23,7 @@ from typing import Any
 
 import bpy
 
-from ..node_graph import Graph, Socket, interface, new_group
+from ..node_graph import Graph, Socket, shared_group
 
 #: Name of the group.
 NAME = "Diffraction Scale Lattice"
@@ -48,13 +48,10 @@ OUTPUTS = {
 
 def build() -> bpy.types.NodeTree:
     """The group, made where there is none."""
-    tree = bpy.data.node_groups.get((NAME, None))
-    if tree is not None and tree.nodes and {item.name for item in tree.interface.items_tree} >= {*INPUTS, *OUTPUTS}:
-        return tree
-    tree = new_group(NAME)
-    interface(tree, INPUTS, OUTPUTS)
-    g = Graph(tree)
-    given: Any = g.add("NodeGroupInput").outputs
+    return shared_group(NAME, INPUTS, OUTPUTS, _fill)
+
+
+def _fill(g: Graph, given: Any, wanted: Any) -> None:
     x, y = given["X"], given["Y"]
     half = g.product(y, 0.5)
     s, t = g.sum(x, half), g.difference(x, half)
@@ -92,12 +89,10 @@ def build() -> bpy.types.NodeTree:
         g.difference(g.product(by_f, g.sum(1.0, warp_t)), g.product(by_g, g.sum(1.0, warp_s))), 0.5
     )  # fmt: skip
 
-    out = g.add("NodeGroupOutput")
-    g.put(out.inputs["Cell"], g.join(along, number, 0.0))
-    g.put(out.inputs["Centre"], g.join(g.product(g.sum(along, 1.0), 0.5), around, 0.0))
-    g.put(out.inputs["Slope"], g.join(slope_x, slope_y, 0.0))
-    g.put(out.inputs["Shape"], g.join(height, g.math("MINIMUM", f, h), size))
-    return tree
+    g.put(wanted["Cell"], g.join(along, number, 0.0))
+    g.put(wanted["Centre"], g.join(g.product(g.sum(along, 1.0), 0.5), around, 0.0))
+    g.put(wanted["Slope"], g.join(slope_x, slope_y, 0.0))
+    g.put(wanted["Shape"], g.join(height, g.math("MINIMUM", f, h), size))
 
 
 def _bulge(g: Graph, f: Socket) -> Socket:

@@ -9,7 +9,7 @@ import bpy
 
 from ....precompute.constants import LEAST_REFLECTANCE
 from ....precompute.table.layout import TableLayout
-from ..node_graph import Graph, Socket, Value, interface, new_group
+from ..node_graph import Graph, Socket, Value, interface, new_group, shared_group
 from . import lookup
 
 _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
@@ -106,15 +106,17 @@ def dielectric(graph: Graph, n2: Value, cosine: Socket) -> Socket:
 
 def conductor(graph: Graph, n: Socket, k: Socket, cos_half: Socket) -> Socket:
     """As ``fresnel_conductor`` in ``shaders/brdf.osl``, a vector."""
+    inputs = {"N": (_FLOAT, None), "K": (_FLOAT, None), "Cosine": (_FLOAT, None)}
+    tree = shared_group("Diffraction conductor", inputs, {"Reflectance": _FLOAT}, _conductor)
     each_n, each_k = graph.split(n), graph.split(k)
     c = graph.clamp(cos_half, 0.0, 1.0)
+    return graph.join(*(graph.group(tree, N=each_n[i], K=each_k[i], Cosine=c).outputs["Reflectance"] for i in range(3)))
+
+
+def _conductor(graph: Graph, given: Any, wanted: Any) -> None:
+    n, k, c = given["N"], given["K"], given["Cosine"]
     c2 = graph.product(c, c)
     s2 = graph.difference(1.0, c2)
-    red, green, blue = (_conductor(graph, each_n[i], each_k[i], c, c2, s2) for i in range(3))
-    return graph.join(red, green, blue)
-
-
-def _conductor(graph: Graph, n: Socket, k: Socket, c: Socket, c2: Socket, s2: Socket) -> Socket:
     d = graph.difference(graph.difference(graph.product(n, n), graph.product(k, k)), s2)
     nk = graph.product(n, k)
     a2b2 = graph.math("SQRT", graph.fused(d, d, graph.product(nk, nk, 4.0)))
@@ -124,4 +126,4 @@ def _conductor(graph: Graph, n: Socket, k: Socket, c: Socket, c2: Socket, s2: So
     rs = graph.quotient(graph.difference(plain, twice), graph.sum(plain, twice))
     p_plain, p_twice = graph.fused(c2, a2b2, graph.product(s2, s2)), graph.product(twice, s2)
     rp = graph.product(rs, graph.quotient(graph.difference(p_plain, p_twice), graph.sum(p_plain, p_twice)))
-    return graph.product(graph.sum(rs, rp), 0.5)
+    graph.put(wanted["Reflectance"], graph.product(graph.sum(rs, rp), 0.5))

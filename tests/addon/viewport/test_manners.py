@@ -11,23 +11,8 @@ from tests.support.blender import drawing, scenes
 
 def draw(renderer, asks, size=64, **view):
     """What the renderer draws on black: (size, size, 3), row 0 at the bottom."""
-    import gpu
-    from diffraction_shader.addon.viewport import looks, offscreen
-
     bpy.context.scene.camera.matrix_world = Matrix.Translation((0, 0, 10))  # x to the right, y upwards
-    view_matrix, projection = drawing.eye(size)
-    target = gpu.types.GPUOffScreen(size, size, format="RGBA32F")
-    try:
-        with target.bind():
-            gpu.state.active_framebuffer_get().clear(color=(0, 0, 0, 0), depth=1.0)
-            renderer.draw(
-                bpy.context.evaluated_depsgraph_get(), np.array(view_matrix), np.array(projection),
-                looks.View(**view), False, lambda ob: True, asks=asks,
-            )  # fmt: skip
-        assert not renderer.message, renderer.message
-        return offscreen.read(target)[..., :3].astype(float)
-    finally:
-        target.free()
+    return drawing.alone(renderer, size, asks=asks, **view)
 
 
 @pytest.fixture

@@ -13,10 +13,10 @@ def eye(size):
     return camera.matrix_world.normalized().inverted(), camera.calc_matrix_camera(depsgraph, x=size, y=size)
 
 
-def alone(renderer, size=96, display=False, moved=(0.0, 0.0), **view):
+def alone(renderer, size=96, display=False, moved=(0.0, 0.0), asks=None, **view):
     """What the renderer draws on black without any depth: linear RGB (size, size, 3), row 0 at the bottom."""
     import gpu
-    from diffraction_shader.addon.viewport import looks, offscreen
+    from diffraction_shader.addon.viewport import looks, manners, offscreen
 
     view_matrix, projection = eye(size)
     target = gpu.types.GPUOffScreen(size, size, format="RGBA32F")
@@ -26,6 +26,7 @@ def alone(renderer, size=96, display=False, moved=(0.0, 0.0), **view):
             renderer.draw(
                 bpy.context.evaluated_depsgraph_get(), np.array(view_matrix), np.array(projection),
                 looks.View(**view), display, lambda ob: True, moved=moved,
+                asks=manners.PLAIN if asks is None else asks,
             )  # fmt: skip
         assert not renderer.message, renderer.message
         return offscreen.read(target)[..., :3].astype(float)
