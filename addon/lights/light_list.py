@@ -159,7 +159,12 @@ def _undrive(scene: bpy.types.Scene, name: str) -> None:
 
 def _drive(scene: bpy.types.Scene, name: str, index: int, entry: Drive) -> None:
     driver = scene.driver_add(f'["{name}"]', index).driver
-    driver.type = "SCRIPTED" if entry.expression else "SUM"
+    expression = entry.expression
+    if any(isinstance(each.owner, bpy.types.World) for each in entry.variables):
+        # Blender finds no relation from settings of a world's nodes to a driver; one that asks for the frame is evaluated
+        # anew with each, so that keyed ones are followed.
+        expression = f"{expression or '+'.join(each.name for each in entry.variables)}+0*frame"
+    driver.type = "SCRIPTED" if expression else "SUM"
     for each in entry.variables:
         variable = driver.variables.new()
         variable.name = each.name
@@ -168,8 +173,8 @@ def _drive(scene: bpy.types.Scene, name: str, index: int, entry: Drive) -> None:
         target.id_type = _id_type(each.owner)
         target.id = each.owner
         target.data_path = each.path
-    if entry.expression:
-        driver.expression = entry.expression
+    if expression:
+        driver.expression = expression
 
 
 def _id_type(owner: bpy.types.ID) -> str:

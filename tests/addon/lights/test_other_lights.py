@@ -78,6 +78,30 @@ def test_sun_of_a_sky_is_found_like_a_lamp(blender, tmp_path):
     assert spread < 1.2 * np.ptp(controls.mean(-1)) / controls.mean() + 0.005
 
 
+def test_keys_of_a_sky_move_its_sun(blender, tmp_path):
+    """In the list, by its drivers alone: a farm without the extension follows too."""
+    from diffraction_shader.addon.lights import slots
+
+    set_up(tmp_path)
+    _, node = sky(0.2, 0.5)
+    bpy.context.view_layer.update()
+    scene, wanted = bpy.context.scene, {}
+    for frame, (elevation, rotation) in {1: (0.2, 0.5), 20: (1.2, 2.0)}.items():
+        node.sun_elevation, node.sun_rotation = elevation, rotation
+        for path in ("sun_elevation", "sun_rotation"):
+            node.keyframe_insert(path, frame=frame)
+        wanted[frame] = (math.cos(elevation) * math.sin(rotation), math.cos(elevation) * math.cos(rotation))
+        wanted[frame] += (math.sin(elevation),)
+    extension.load().unregister()
+    try:
+        for frame in (20, 1, 20):
+            scene.frame_set(frame)
+            evaluated = scene.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            assert list(evaluated[slots.names(1)[0]])[:3] == pytest.approx(wanted[frame], abs=1e-6)
+    finally:
+        extension.load().register()
+
+
 def test_glowing_ball_lights_like_a_lamp_of_its_size(blender, tmp_path):
     set_up(tmp_path, environment=0)
     place, radius, radiance = (0.8, -0.6, 2.6), 0.15, 60.0
