@@ -6,9 +6,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...precompute.errors import DiffractionError
+from ...precompute.files.stamp import Stamp, file_stamp
 from ..tables.table_state import READY, table_state
 from . import material as materials
-from . import spelling, travel
+from . import travel
 from .node import group, keys
 
 
@@ -34,12 +35,12 @@ def bring_up_to_date() -> list[str]:
 
 
 #: Time and size of the tables' files at the last look.
-_seen: dict[Path, tuple[int, int] | None] = {}
+_seen: dict[Path, Stamp | None] = {}
 
 
 def follow_files() -> list[str]:
     """Follow tables that something else (another process, a copy) wrote since the last look; what cannot be done."""
-    now = {travel.home(each): spelling.stamp(travel.home(each)) for each in materials.of_file()}
+    now = {travel.home(each): file_stamp(travel.home(each)) for each in materials.of_file()}
     changed = any(_seen.get(path, stamp) != stamp for path, stamp in now.items())
     _seen.clear()
     _seen.update(now)

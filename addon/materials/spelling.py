@@ -11,17 +11,10 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-#: Time and size of each file at the last look, and how often it was another one.
-_versions: dict[Path, tuple[tuple[int, int] | None, int]] = {}
+from ...precompute.files.stamp import Stamp, file_stamp
 
-
-def stamp(path: Path) -> tuple[int, int] | None:
-    """Changes when a file is written anew; None where there is none."""
-    try:
-        status = os.stat(path)
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size
+#: Each file at the last look, and how often it was another one.
+_versions: dict[Path, tuple[Stamp | None, int]] = {}
 
 
 def fresh(name: str, path: Path) -> str:
@@ -34,7 +27,7 @@ def fresh(name: str, path: Path) -> str:
     path
         The same, absolute.
     """
-    now = stamp(path)
+    now = file_stamp(path)
     before, version = _versions.get(path, (now, 0))
     if now is not None and before is not None and now != before:
         version += 1

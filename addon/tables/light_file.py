@@ -12,13 +12,14 @@ from pathlib import Path
 from typing import Any
 
 from ...precompute.errors import ParameterError
+from ...precompute.files.stamp import Stamp, file_stamp
 from ...precompute.light.illuminant import Illuminant, Spectrum, illuminant_of, read_spectrum, to_json
 from .. import paths
 
 #: The choice that stands for a file.
 FILE = "FILE"
 
-_read: dict[Path, tuple[tuple[int, int], Spectrum | ParameterError]] = {}
+_read: dict[Path, tuple[Stamp | None, Spectrum | ParameterError]] = {}
 
 
 def illuminant(owner: Any) -> Illuminant:
@@ -79,11 +80,7 @@ def _kept(owner: Any) -> Spectrum | None:
 
 def _look(path: Path) -> Spectrum | ParameterError:
     """Read once for each state of the file: panels ask at every redraw."""
-    try:
-        status = path.stat()
-        stamp = (status.st_mtime_ns, status.st_size)
-    except OSError:
-        stamp = (0, 0)
+    stamp = file_stamp(path)
     held = _read.get(path)
     if held is None or held[0] != stamp:
         if len(_read) > 64:

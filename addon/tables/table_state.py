@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from ...precompute.constants import TABLE_FORMAT_VERSION, TABLE_FORMATS
 from ...precompute.errors import TableError
+from ...precompute.files.stamp import file_stamp
 from ...precompute.table.importance import HEIGHT, WIDTH
 from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import read_sidecar
@@ -66,21 +66,13 @@ def table_state(path: Path | None) -> TableState:
     if path is None:
         return TableState(NONE)
     path = Path(path).with_suffix(".exr")
-    stamp = (_stamp(path), _stamp(path.with_suffix(".json")))
+    stamp = (file_stamp(path), file_stamp(path.with_suffix(".json")))
     held = _seen.get(path)
     if held is None or held[0] != stamp:
         if len(_seen) > 256:
             _seen.clear()
         held = _seen[path] = (stamp, _look(path, stamp))
     return held[1]
-
-
-def _stamp(path: Path) -> tuple[int, int] | None:
-    try:
-        status = os.stat(path)
-    except (OSError, ValueError):
-        return None
-    return status.st_mtime_ns, status.st_size
 
 
 def _look(path: Path, stamp: tuple) -> TableState:

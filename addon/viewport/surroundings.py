@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from mathutils import Euler
 
+from ...precompute.files.stamp import file_stamp
 from .data import panorama
 from .data.sky import Sky
 
@@ -54,7 +55,7 @@ def studio(shading: bpy.types.View3DShading) -> Sky | None:
         return None
     turn = np.array(Euler((0.0, 0.0, shading.studiolight_rotate_z)).to_matrix()).ravel()
     strength = float(shading.studiolight_intensity)
-    return Sky("", light.path, panorama.file_stamp(light.path), tuple(turn.tolist()), (strength, strength, strength))
+    return Sky("", light.path, file_stamp(light.path) or (), tuple(turn.tolist()), (strength, strength, strength))
 
 
 def of_world(world: bpy.types.World | None) -> Surroundings:

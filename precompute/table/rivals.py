@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 from ..errors import TableError
+from ..files.stamp import file_stamp
 from .table import SpectralTable, read_sidecar
 
 
@@ -21,7 +21,7 @@ class Rivals:
 
     def __init__(self, target: Path) -> None:
         self._target = target
-        self._before = _stamp(target)
+        self._before = file_stamp(target)
 
     def save(self, table: SpectralTable) -> tuple[Path, str]:
         """Write the table; its path, and a sentence without a full stop where another process was at the same name.
@@ -31,7 +31,7 @@ class Rivals:
         OutputError
             As `SpectralTable.save`.
         """
-        replaced = _stamp(self._target) != self._before
+        replaced = file_stamp(self._target) != self._before
         path = table.save(self._target)
         if not _stands(path, table):
             return (
@@ -48,11 +48,3 @@ def _stands(path: Path, table: SpectralTable) -> bool:
         return read_sidecar(path).get("key") == table.info.get("key")
     except TableError:  # it is being replaced
         return False
-
-
-def _stamp(path: Path) -> tuple[int, int, int] | None:
-    try:
-        status = os.stat(path)
-    except OSError:
-        return None
-    return status.st_mtime_ns, status.st_size, status.st_ino

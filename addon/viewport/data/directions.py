@@ -13,7 +13,7 @@ import numpy as np
 from ....precompute.errors import DiffractionError
 from .blocks import buffer
 from .display import redraw
-from .textures import file_stamp, find_directions
+from .textures import find_directions, table_stamp
 
 
 class Directions:
@@ -32,7 +32,7 @@ class Directions:
         wait
             Find them now.
         """
-        stamp = file_stamp(path)
+        stamp = table_stamp(path)
         held = self._held.get(path)
         if held is not None and held[0] == stamp:
             return held[1]

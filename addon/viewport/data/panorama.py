@@ -7,7 +7,6 @@ handlers; the second one gets a copy of the world, and nothing else knows of it.
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -19,6 +18,7 @@ from typing import Any
 import bpy
 import numpy as np
 
+from ....precompute.files.stamp import file_stamp
 from ...lights import worlds
 
 #: Pixels along the horizon, and seconds after which a render is given up.
@@ -29,15 +29,6 @@ _LOOKS = {
     "color", "color_tag", "height", "hide", "label", "location", "location_absolute", "name", "parent", "select",
     "show_options", "show_preview", "show_texture", "use_custom_color", "warning_propagation", "width",
 }  # fmt: skip
-
-
-def file_stamp(path: str) -> tuple:
-    """When a file was written and how large it is; empty where there is none."""
-    try:
-        stat = os.stat(path)
-    except OSError:
-        return ()
-    return stat.st_mtime_ns, stat.st_size
 
 
 def image_stamp(image: bpy.types.Image) -> tuple:

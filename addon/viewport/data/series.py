@@ -12,6 +12,7 @@ import numpy as np
 from ....precompute.bake.terms import Terms, load_terms
 from ....precompute.constants import COHERENCE_LENGTH_SUN_M
 from ....precompute.errors import SizeLimitError, TableError
+from ....precompute.files.stamp import file_stamp
 from .blocks import buffer, uniform
 from .sources import WAVELENGTHS_MAX
 
@@ -122,14 +123,12 @@ class SeriesTextures:
         """
         folder = path.with_name(f"{path.stem}_terms")
         file = folder / "terms.json"
-        try:
-            stat = file.stat()
-        except OSError as error:
+        stamp = file_stamp(file)
+        if stamp is None:
             raise TableError(
                 f"The method FLSS needs the series terms of {path.stem}: bake with the series 'taylor' or 'chebyshev'"
                 " and store the terms, or use the method Table."
-            ) from error
-        stamp = (stat.st_mtime_ns, stat.st_size, stat.st_ino)
+            )
         held = self._held.get(path)
         if held is None or held.stamp != stamp:
             self._held.pop(path, None)

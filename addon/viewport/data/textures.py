@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ....precompute.errors import SizeLimitError
+from ....precompute.files.stamp import file_stamp
 from ....precompute.table import importance, scaled_albedo
 from ....precompute.table.layout import TableLayout
 from ....precompute.table.table import SpectralTable, read_sidecar
@@ -132,7 +132,7 @@ class Tables:
         TableError, SizeLimitError
             If the table cannot be read or does not fit.
         """
-        stamp = file_stamp(path)
+        stamp = table_stamp(path)
         held = self._held.get(path)
         if held is None or held[0] != stamp:
             self._held.pop(path, None)
@@ -164,10 +164,7 @@ class Tables:
         self._held.clear()
 
 
-def file_stamp(path: Path) -> tuple:
+def table_stamp(path: Path) -> tuple:
     """What changes when a table is baked again; empty where a file is missing."""
-    try:
-        stats = [os.stat(path.with_suffix(suffix)) for suffix in (".exr", ".json")]
-    except OSError:
-        return ()
-    return tuple((s.st_mtime_ns, s.st_size, s.st_ino) for s in stats)
+    stamps = [file_stamp(path.with_suffix(suffix)) for suffix in (".exr", ".json")]
+    return () if None in stamps else tuple(stamps)
