@@ -45,8 +45,8 @@ def shots(keep, arguments, side):
             continue
         path = keep / f"{asset.name.replace('/', ' ')}.png"
         if not path.is_file():
-            material = library.make_material(asset, shapes[asset.shape], arguments.detail, arguments.implementation)
-            pixels = stage.picture(scene, material, shapes, asset.shape, asset.bright, arguments.samples, side)
+            library.make_material(asset, shapes[asset.shape], arguments.detail, arguments.implementation)
+            pixels = stage.picture(scene, shapes, asset, arguments.samples, side)
             cut = (np.clip(pixels, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8).reshape(side, side, 4)[::-1]
             Image.fromarray(cut, "RGBA").save(path)
         yield asset.name, Image.open(path).copy()

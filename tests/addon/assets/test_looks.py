@@ -74,11 +74,11 @@ def picture(wing, tmp_path, name, implementation, engine, side):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "look.blend"))
     shapes = wing.stage.build(scene)
     asset = next(each for each in wing.looks.ASSETS if each.name == name)
-    material = wing.library.make_material(asset, shapes[asset.shape], 0.25, implementation)
+    wing.library.make_material(asset, shapes[asset.shape], 0.25, implementation)
     scene.render.engine = engine
     if engine != "CYCLES":
         scene.eevee.taa_render_samples = 1
-    pixels = wing.stage.picture(scene, material, shapes, asset.shape, asset.bright, 4, side)
+    pixels = wing.stage.picture(scene, shapes, asset, 4, side)
     return pixels.reshape(side, side, 4)
 
 
