@@ -59,7 +59,7 @@ def main():
     parser.add_argument("names", nargs="*", help="materials; by default all")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "pictures" / "looks.jpg")
     parser.add_argument("--detail", type=float, default=1.0)
-    parser.add_argument("--samples", type=int, default=48)
+    parser.add_argument("--samples", type=int, default=32)
     parser.add_argument("--side", type=int, default=SIDE)
     parser.add_argument("--keep", type=Path, help="folder of single pictures, which are not made again")
     parser.add_argument("--implementation", default="OSL")
