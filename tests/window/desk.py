@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a person does at the window, in words: presses a button, chooses an entry, types a number, looks."""
 
+import contextlib
 import json
 import math
 import re
@@ -74,7 +75,7 @@ class Desk:
         what
             The button.
         path
-            The file.
+            The file, or a folder where one is asked for.
         already
             A browser is open already; Blender may take it or open another.
         options
@@ -96,7 +97,8 @@ class Desk:
         windows = self.look("len(bpy.context.window_manager.windows)") - 1
         space = f"window({windows}).screen.areas[0].spaces.active"
         active = f"{space}.active_operator"
-        offered = {name: self.look(f"{active}.{name}") for name in ("size_um", "height_nm")}
+        names = [name for name in ("size_um", "height_nm") if self.look(f"hasattr({active}, {name!r})")]
+        offered = {name: self.look(f"{active}.{name}") for name in names}
         self.last_folder = self.look(f"{space}.params.directory.decode()")
         x, y, width, height = self.look(f"rectangle('FILE_BROWSER', 'WINDOW', {windows})")
         self.driver.point(x + width // 2, y + height // 2, windows)
@@ -105,7 +107,10 @@ class Desk:
         else:
             for name, value in options.items():
                 self.run(f"{active}.{name} = {value!r}")
-            self.run(f"p = {space}.params\np.directory = {str(path.parent)!r}.encode()\np.filename = {path.name!r}")
+            folder = path if path.is_dir() else path.parent
+            self.run(f"p = {space}.params\np.directory = {str(folder)!r}.encode()")
+            if folder != path:
+                self.run(f"p.filename = {path.name!r}")
             self.settle()
             self.run(f"with within('FILE_BROWSER', 'WINDOW', {windows}): bpy.ops.file.execute('INVOKE_DEFAULT')")
         self.settle()
@@ -207,6 +212,23 @@ class Desk:
         self.driver.key("HOME", *["DOWN_ARROW"] * items.index(identifier), "RET")
         time.sleep(0.3)
         assert self.look(f"{owner}.{name}") == identifier
+
+    def press_right_of(self, what, share):
+        """A click in the row of a button, at a share of the sidebar's width: menus tell no command."""
+        left, _, width, _ = self.look("rectangle()")
+        self.driver.click(left + round(share * width), self.find(what)[1])
+        self.settle()
+
+    @contextlib.contextmanager
+    def only(self, *names):
+        """The panels of some names alone, all of them open."""
+        self.run(f"show_only({['main', *names]!r})")
+        self.open_sidebar()
+        try:
+            yield
+        finally:
+            self.run("show_all()")
+            self.open_sidebar()
 
     def pick(self, number):
         """Take an entry of the menu that is open, counted from 0."""
