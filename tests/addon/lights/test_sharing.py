@@ -112,17 +112,6 @@ def test_panel_of_sixteen_is_the_sum_of_each(blender, blazed, implementation):
     assert together == pytest.approx(sum(shot(256, [one_tile(4, number)]) for number in range(16)), rel=0.03)
 
 
-@BOTH
-def test_thin_lamp_beside_a_dark_one_shines_as_alone(blender, blazed, implementation):
-    """Narrow lobes keep clear of its edge, a quarter of the lamp on either side, whose f counts all the same."""
-    on_plane(blazed, implementation)
-    alone = strips(256, (1.0, BLUE))
-    dark = area((1, 1.2, 1.6), (0, 0, 0), BLUE, 1e-3, shape="RECTANGLE", size=0.2, size_y=2)
-    beside = strips(1024, (1.0, BLUE))
-    bpy.data.objects.remove(dark)
-    assert beside[2] == pytest.approx(alone[2], rel=0.08)  # 14 % were lost
-
-
 @pytest.mark.parametrize("spread", [60, 20])
 def test_spread_on_constant_f_equals_diffuse(blender, monkeypatch, tmp_path, spread):
     area(PLACE, (0, 0, 0), size=2, spread=math.radians(spread))
