@@ -8,6 +8,8 @@ from typing import Any
 
 import bpy
 
+from . import batch
+
 Socket = bpy.types.NodeSocket
 
 #: A socket, or a constant that goes into the socket it is given to.
@@ -25,6 +27,7 @@ class Graph:
 
     def __init__(self, tree: bpy.types.NodeTree) -> None:
         self.tree = tree
+        batch.changes(tree)
         self._place = 0
         self._unit: Socket | None = None
 
@@ -39,16 +42,11 @@ class Graph:
         node.hide = True
         node.location = (180.0 * (self._place // 12), -60.0 * (self._place % 12))
         self._place += 1
-        return node
+        return batch.of_group(node) if kind in batch.GROUPS else node
 
     def put(self, socket: Socket, value: Value) -> None:
         """Link a socket to a value, or set it."""
-        if isinstance(value, bpy.types.NodeSocket):
-            self.tree.links.new(value, socket)
-        elif socket.type == "RGBA" and not isinstance(value, float):
-            socket.default_value = (*value, 1.0) if len(value) == 3 else value
-        else:
-            socket.default_value = value
+        batch.put(socket, value)
 
     def math(self, operation: str, *values: Value) -> Socket:
         """A Math node."""

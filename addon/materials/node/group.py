@@ -21,9 +21,9 @@ from ....precompute.light.illuminant import to_json
 from ....precompute.table.layout import TableLayout
 from ...colour_spaces import working_space
 from ...versions import tells_mirrored_uv
-from .. import frame, nodes_twin, osl, script_node
+from .. import batch, nodes_twin, osl, script_node
 from ..node_graph import Graph
-from . import interface, keys, lamp_nodes
+from . import frame, interface, keys, lamp_nodes
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"
@@ -129,7 +129,7 @@ def build(
             if implementation == "OSL":
                 _fill_with_osl(tree, stem, source, own)
             else:
-                nodes_twin.build(tree, stem, images, layout, albedo_max, fresnel, conserve, own, albedo_free)
+                _fill_with_nodes(tree, stem, images, layout, albedo_max, fresnel, conserve, own, albedo_free)
             _mask(tree)
         except Exception:
             if found is None:
@@ -165,6 +165,10 @@ def _existing(image: bpy.types.Image, implementation: str, variant: str) -> bpy.
         if tree.library is None and (tree.get(keys.ATLAS), tree[keys.IMPLEMENTATION], tree[keys.VARIANT]) == wanted:
             return tree
     return None
+
+
+def _fill_with_nodes(tree: bpy.types.NodeTree, *of_table: Any) -> None:
+    batch.make(lambda: nodes_twin.build(tree, *of_table))
 
 
 def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -> None:

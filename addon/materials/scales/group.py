@@ -14,6 +14,7 @@ from typing import Any
 
 import bpy
 
+from .. import batch
 from ..node import interface
 from ..node_graph import Graph, Socket, Value
 from . import lattice, pattern, sockets
@@ -60,7 +61,7 @@ def build() -> bpy.types.NodeTree:
         return tree
     interface.make(tree, sockets.SOCKETS, sockets.PANELS, sockets.OUTPUTS)
     tree.nodes.clear()
-    _fill(Graph(tree))
+    batch.make(lambda: _fill(Graph(tree)))
     tree[KEY] = VERSION
     return tree
 

@@ -55,8 +55,12 @@ def test_fresnel_of_a_dielectric(blender, tmp_path, implementation, fresnel, for
     assert_images_agree(scenes.render(), truth, 0.01, where=good, name=f"{fresnel} {implementation}")
 
 
-def test_rotated_scaled_parented_object_and_lamp(blender, tmp_path):
-    """Uneven scale, a mirrored axis, a parent on either side: the frame follows the surface, the sun its object."""
+@pytest.mark.parametrize("shared", [False, True])
+def test_rotated_scaled_parented_object_and_lamp(blender, tmp_path, shared):
+    """Uneven scale, a mirrored axis, a parent on either side: the frame follows the surface, the sun its object.
+
+    Cycles applies the transform to a mesh of one object and keeps it apart where several share the mesh.
+    """
     table = tables.make_table(tmp_path / "t.exr", tables.lobes)
     parent = bpy.data.objects.new("parent", None)
     parent.rotation_euler = (0.4, -0.3, 0.9)
@@ -68,6 +72,10 @@ def test_rotated_scaled_parented_object_and_lamp(blender, tmp_path):
         bpy.context.scene.collection.objects.link(empty)
     matrix = Matrix.LocRotScale(Vector((0.05, -0.1, 0.2)), Euler((0.3, 0.8, -0.2)), Vector((0.6, 0.7, 0.5)))
     sphere = scenes.add_sphere(matrix=matrix, parent=parent)
+    if shared:
+        other = bpy.data.objects.new("elsewhere", sphere.data)
+        other.location = (0, 0, -50)
+        bpy.context.scene.collection.objects.link(other)
     sun = scenes.add_sun((0.1, 0.3, 0.9), parent=lamp_parent)
     scenes.add_camera((0.3, -0.2, 1.0))
     diffracting(sphere, tmp_path / "t.exr", fresnel="NONE")

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Many changes of node trees with one update of Blender's, where it otherwise looks through a tree after each.
+
+Adding a node or a link from Python brings the whole tree up to date, so that a tree of n nodes takes n^2. While one
+update is going on Blender begins no other, for the sake of Python that changes trees in the ``update`` of a tree of its
+own. There the changes are made. Nothing depends on that: a Blender that does it otherwise makes the same, slower.
+
+What an update alone brings are the sockets of groups, of their inputs and outputs; `Later` names them until then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import bpy
+
+#: Nodes whose sockets come with an update.
+GROUPS = {"ShaderNodeGroup", "NodeGroupInput", "NodeGroupOutput"}
+
+
+@dataclass(frozen=True)
+class Later:
+    """A socket of a group's node that comes with the next update."""
+
+    node: bpy.types.Node
+    side: str
+    name: str
+
+    def socket(self) -> Any:
+        """The socket, once it is there."""
+        return getattr(self.node, self.side)[self.name]
+
+
+class _Sockets:
+    def __init__(self, node: bpy.types.Node, side: str) -> None:
+        self._node, self._side = node, side
+
+    def __getitem__(self, name: str) -> Later:
+        return Later(self._node, self._side, name)
+
+
+class Unfinished:
+    """A node of a group: its sockets by their names are `Later`, all else is the node's own."""
+
+    def __init__(self, node: bpy.types.Node) -> None:
+        self._node = node
+        self.inputs, self.outputs = _Sockets(node, "inputs"), _Sockets(node, "outputs")
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._node, name)
+
+
+@dataclass
+class Batch:
+    """Changes that are being made.
+
+    Parameters
+    ----------
+    trees
+        That change, each once, in the order of their first change.
+    waiting
+        Socket and what it takes, where one of them is `Later`.
+    """
+
+    trees: dict[str, bpy.types.NodeTree] = field(default_factory=dict)
+    waiting: list[tuple[Any, Any]] = field(default_factory=list)
+
+
+#: The batch that is being made; None: every change is brought up to date by itself.
+current: Batch | None = None
+
+
+def make(work: Callable[[], Any]) -> Any:
+    """Run what adds nodes by `node_graph.Graph`, without an update after each; what it returns.
+
+    Parameters
+    ----------
+    work
+        Adds the nodes. What it leaves is whole only when this returns.
+    """
+    global current
+    if current is not None:
+        return work()
+    batch = Batch()
+    try:
+        current = batch
+        try:
+            made = _within_update(work)
+        finally:
+            current = None
+        _bring_up_to_date(batch)
+        _within_update(lambda: _put_all(batch.waiting))
+        _bring_up_to_date(batch)
+    except BaseException:
+        for tree in batch.trees.values():  # half a group is none: `node_graph.shared_group` makes an empty one anew
+            tree.nodes.clear()
+        raise
+    return made
+
+
+def changes(tree: bpy.types.NodeTree) -> None:
+    """A tree is about to change."""
+    if current is not None:
+        current.trees.setdefault(tree.name, tree)
+
+
+def of_group(node: bpy.types.Node) -> bpy.types.Node:
+    """A new node of those in `GROUPS`, as it can be used now."""
+    stand_in: Any = Unfinished(node) if current is not None else node
+    return stand_in
+
+
+def put(socket: Any, value: Any) -> None:
+    """Link a socket to a value, or set it; now, or once both are there."""
+    if isinstance(socket, Later) or isinstance(value, Later):
+        assert current is not None, "a socket of a batch that is over"
+        current.waiting.append((socket, value))
+    elif isinstance(value, bpy.types.NodeSocket):
+        tree: Any = socket.id_data
+        tree.links.new(value, socket)
+    elif socket.type == "RGBA" and not isinstance(value, float):
+        socket.default_value = (*value, 1.0) if len(value) == 3 else value
+    else:
+        socket.default_value = value
+
+
+def _put_all(waiting: list[tuple[Any, Any]]) -> bool:
+    for socket, value in waiting:
+        put(_found(socket), _found(value))
+    return True
+
+
+def _found(socket: Any) -> Any:
+    return socket.socket() if isinstance(socket, Later) else socket
+
+
+def _bring_up_to_date(batch: Batch) -> None:
+    for tree in batch.trees.values():
+        tree.interface_update(bpy.context)
+
+
+def _within_update(work: Callable[[], Any]) -> Any:
+    """What a callable returns, run while Blender brings a tree up to date that is there for that alone."""
+    made: list[Any] = []
+    failed: list[BaseException] = []
+
+    def once() -> None:
+        if not made and not failed:
+            try:
+                made.append(work())
+            except BaseException as error:  # Blender would print it and go on
+                failed.append(error)
+
+    class DIFFRACTION_batch(bpy.types.NodeTree):
+        bl_idname = "DIFFRACTION_BATCH"
+        bl_label = "Diffraction"
+        bl_icon = "NODETREE"
+
+        @classmethod
+        def poll(cls, context: bpy.types.Context) -> bool:
+            return False
+
+        def update(self) -> None:
+            once()
+
+    # For no longer than it takes: 4.5 does not end while a tree's class of a script is registered.
+    bpy.utils.register_class(DIFFRACTION_batch)
+    try:
+        tree = bpy.data.node_groups.new("Diffraction batch", DIFFRACTION_batch.bl_idname)
+        try:
+            tree.nodes.new("NodeReroute")
+        finally:
+            bpy.data.node_groups.remove(tree)
+    finally:
+        bpy.utils.unregister_class(DIFFRACTION_batch)
+    once()
+    if failed:
+        raise failed[0]
+    return made[0]
