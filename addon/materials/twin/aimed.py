@@ -109,9 +109,16 @@ def aimed() -> bpy.types.NodeTree:
 
 
 def _narrow_width(graph: Graph, given: Any, lamp: Seen) -> Socket:
-    """Half-angle of a narrow lobe: by the lamp's radius, and less than light of a spread changes within."""
+    """Half-angle of a narrow lobe: by the lamp's radius, of a thin one by its width, and less than light of a spread
+    changes within."""
     half = graph.product(graph.math("MINIMUM", given["Size"], 3.1), 0.5)
-    by_spread = graph.choose(lamp.is_area, NARROW_MAX, graph.product(graph.math("TANGENT", half), 0.035))
+    side = graph.math("MINIMUM", *(graph.scalar("LENGTH", each) for each in (lamp.u, lamp.v)))
+    of_area = graph.math(
+        "MINIMUM",
+        graph.product(graph.math("TANGENT", half), 0.035),
+        graph.quotient(graph.product(side, 0.1), lamp.distance),
+    )
+    by_spread = graph.choose(lamp.is_area, NARROW_MAX, of_area)
     width = graph.math("MINIMUM", graph.product(lamp.radius, 0.3), graph.math("MINIMUM", by_spread, NARROW_MAX))
     return graph.math("MAXIMUM", width, NARROW_MIN)
 
