@@ -41,20 +41,16 @@ def show(
         image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=linear)
         image.name = name
     colour_spaces.set_picture(image, linear)
-    pixels = np.ones((height, width, 4), np.float32)
-    pixels[..., :3] = rgb
+    pixels = _opaque(rgb)
     image.pixels.foreach_set(pixels.ravel())
     image.update()
     image.pack()  # it has no file: without this a saved .blend would forget it
-    if small is not None:
-        pixels = np.ones((*small.shape[:2], 4), np.float32)
-        pixels[..., :3] = small
-    _set_preview(image, pixels)
+    _set_preview(image, pixels if small is None else _opaque(small))
     _into_editor(context, image)
     return image
 
 
-def show_file(context: bpy.types.Context, name: str, path: Path) -> bpy.types.Image:
+def show_file(context: bpy.types.Context, name: str, path: Path, small: np.ndarray | None = None) -> bpy.types.Image:
     """The same for a picture in a file, which is removed."""
     old = bpy.data.images.get(name)
     image = bpy.data.images.load(str(path), check_existing=False)
@@ -65,11 +61,20 @@ def show_file(context: bpy.types.Context, name: str, path: Path) -> bpy.types.Im
     image.name = name
     image.filepath = ""
     path.unlink(missing_ok=True)
-    pixels = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(pixels)
-    _set_preview(image, pixels.reshape(image.size[1], image.size[0], -1))
+    if small is None:
+        pixels = np.empty(len(image.pixels), np.float32)
+        image.pixels.foreach_get(pixels)
+        _set_preview(image, pixels.reshape(image.size[1], image.size[0], -1))
+    else:
+        _set_preview(image, _opaque(small))
     _into_editor(context, image)
     return image
+
+
+def _opaque(rgb: np.ndarray) -> np.ndarray:
+    pixels = np.ones((*rgb.shape[:2], 4), np.float32)
+    pixels[..., :3] = rgb
+    return pixels
 
 
 def _set_preview(image: bpy.types.Image, pixels: np.ndarray) -> None:
@@ -106,6 +111,20 @@ def open_window(context: bpy.types.Context, name: str) -> None:
     if bpy.app.background or any(a.type == "IMAGE_EDITOR" and a.spaces.active.image == image for a in areas):
         return
     bpy.ops.wm.window_new()
-    area = context.window_manager.windows[-1].screen.areas[0]
+    window = context.window_manager.windows[-1]
+    area = window.screen.areas[0]
     area.type = "IMAGE_EDITOR"
     area.spaces.active.image = image
+    bpy.app.timers.register(lambda: _fill(window, image), first_interval=0.2)  # once it has been drawn and has a size
+
+
+def _fill(window: bpy.types.Window, image: bpy.types.Image) -> None:
+    """The picture as large as the window."""
+    try:
+        area = window.screen.areas[0]
+        region = next(each for each in area.regions if each.type == "WINDOW")
+        if area.type == "IMAGE_EDITOR" and area.spaces.active.image == image:
+            with bpy.context.temp_override(window=window, area=area, region=region):
+                bpy.ops.image.view_all(fit_view=True)
+    except (ReferenceError, IndexError):  # closed again
+        return

@@ -25,6 +25,7 @@ def build_assets(
     detail: float = 1.0,
     samples: int = 32,
     implementation: str = "AUTO",
+    side: int = stage.SIDE,
     progress: Progress = lambda name, fraction: None,
 ) -> list[bpy.types.Material]:
     """Bake, set up and save everything; the current file is replaced.
@@ -41,6 +42,8 @@ def build_assets(
         Of the previews.
     implementation
         See ``diffraction.apply_material``.
+    side
+        Of the previews, pixels.
     progress
         Called before each material.
     """
@@ -57,9 +60,9 @@ def build_assets(
     for index, asset in enumerate(chosen):
         progress(asset.name, index / len(chosen))
         material = make_material(asset, shapes[asset.shape], detail, implementation)
-        pixels = stage.picture(scene, material, shapes, asset.shape, asset.bright, samples)
+        pixels = stage.picture(scene, shapes, asset, samples, side)
         preview = material.preview_ensure()
-        preview.image_size = (stage.SIDE, stage.SIDE)
+        preview.image_size = (side, side)
         preview.image_pixels_float.foreach_set(pixels)
         material.asset_mark()
         data = material.asset_data

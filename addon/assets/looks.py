@@ -74,11 +74,26 @@ class Asset:
         return not (self.parameters or self.surface or self.art)
 
     @property
+    def mirrors(self) -> bool:
+        """Whether it reflects as metal or a stack of layers does."""
+        return not self.species and (look_of(self.preset).is_bright or "substrate" in self.surface)
+
+    @property
     def bright(self) -> float:
         """How much more it sends back than dark skin, roughly: what its picture is exposed for."""
         if self.species:
-            return 5.0 if self.species == "CORN" else 2.0
-        return 16.0 if look_of(self.preset).is_bright or "substrate" in self.surface else 1.0
+            return 5.0 if self.species == "CORN" else 2.5
+        return 16.0 if self.mirrors else 1.0
+
+    @property
+    def sky(self) -> float:
+        """How bright the room is, which a mirror shows in place of its colours."""
+        if self.shape == "BALL" and self.mirrors:
+            # Layers over melanin send one colour back, metal all of them.
+            return 0.5 if "melanin" not in look_of(self.preset).substrate else 1.5
+        if self.species == "SUNBEAM":
+            return 0.4
+        return {"DISC": 0.12, "CARD": 0.35, "PLATE": 0.35}.get(self.shape, 1.0)
 
 
 _DISC: dict[str, Any] = {"pigment": GREY, "print_of": "DISC", "shape": "DISC"}

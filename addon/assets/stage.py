@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The stage on which materials are pictured: a ball under two suns, a disc and a card under a bulb, a sky."""
+"""The stage on which materials are pictured: a ball under two suns, a disc and a card under a bulb, a sky.
+
+What mirrors shows its surroundings more than its colours: the sky is dimmed for it, and a tube beside the camera, whose
+orders stand beside its mirror image as upright stripes, shows which way each colour goes.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +11,14 @@ import math
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import bpy
 import numpy as np
 from mathutils import Vector
 
 from ..versions import give_nodes
+from .looks import Asset
 
 #: Side of the pictures in pixels.
 SIDE = 128
@@ -22,8 +28,8 @@ _SUNS = {"Sun": ((-0.35, -0.55, 0.75), 22.0), "Window": ((0.75, -0.3, 0.45), 9.0
 
 
 def build(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
-    """A ball under two suns, a disc and cards under a bulb near the camera, where a disc shows its spokes, and a
-    sky; all by the names that `picture` knows."""
+    """A ball under two suns and beside a tube, a disc and cards under a bulb near the camera, where a disc shows its
+    spokes, and a sky; all by the names that `picture` knows. Four lamps: EEVEE's share of the scene's list."""
     shapes = {name: _link(scene, name.title(), make()) for name, make in _SHAPES.items()}
     shapes["DISC"].rotation_euler = (math.radians(62.0), 0.0, math.radians(12.0))
     for name in ("CARD", "PLATE"):
@@ -36,6 +42,11 @@ def build(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
     bulb = bpy.data.lights.new("Bulb", "POINT")
     bulb.energy, bulb.shadow_soft_size = 200.0, 0.04
     _link(scene, "Bulb", bulb).location = (0.35, -2.9, 1.2)
+    tube = bpy.data.lights.new("Tube", "AREA")
+    tube.shape, tube.size, tube.size_y, tube.energy = "RECTANGLE", 0.14, 3.2, 90.0
+    lamp = _link(scene, "Tube", tube)
+    lamp.location = (-3.5, -3.7, 0.3)
+    lamp.rotation_euler = Vector((3.5, 3.7, 0.0)).to_track_quat("-Z", "Y").to_euler()
     camera = bpy.data.cameras.new("Camera")
     camera.lens = 36.0 * 3.6 / 2.25
     scene.camera = _link(scene, "Camera", camera)
@@ -124,28 +135,18 @@ def _grid(mesh: bpy.types.Mesh, points: np.ndarray, uv: np.ndarray, columns: int
 
 
 def picture(
-    scene: bpy.types.Scene,
-    material: bpy.types.Material,
-    shapes: dict[str, bpy.types.Object],
-    shape: str,
-    bright: float,
-    samples: int,
-    side: int = SIDE,
+    scene: bpy.types.Scene, shapes: dict[str, bpy.types.Object], asset: Asset, samples: int, side: int = SIDE
 ) -> np.ndarray:
-    """Render a material on its object.
+    """Render the shape of an asset, which has its material.
 
     Parameters
     ----------
     scene
         That of `build`.
-    material
-        On one of the shapes.
     shapes
         Those of `build`.
-    shape
-        Which of them; discs and cards show their colours under a bulb near the camera.
-    bright
-        How much brighter than dark skin it is: the suns shine that much less.
+    asset
+        Which shape is shown, and how it is exposed; discs and cards show their colours under the bulb.
     samples
         A pixel.
     side
@@ -157,12 +158,16 @@ def picture(
         ``(side * side * 4,)`` RGBA as a display shows it, transparent beside the object, bottom row first.
     """
     for name, ob in shapes.items():
-        ob.hide_render = name != shape
-    flat = shape not in ("BALL", "BODY")
+        ob.hide_render = name != asset.shape
+    flat = asset.shape not in ("BALL", "BODY")
     for name, (_, strength) in _SUNS.items():
         scene.objects[name].hide_render = flat
-        scene.objects[name].data.energy = strength / bright
+        scene.objects[name].data.energy = strength / asset.bright
     scene.objects["Bulb"].hide_render = not flat
+    scene.objects["Tube"].hide_render = asset.shape in ("BODY", "DISC") or not asset.mirrors
+    assert scene.world is not None
+    sky: Any = give_nodes(scene.world).nodes["Background"]
+    sky.inputs["Strength"].default_value = asset.sky
     bpy.context.view_layer.update()
     render = scene.render
     render.resolution_x = render.resolution_y = side

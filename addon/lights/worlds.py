@@ -104,34 +104,57 @@ def _index(mapping: bpy.types.Node) -> int:
 
 
 def _sun(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix) -> Source:
-    path = _path(node)
+    """The sun of a sky.
+
+    Only where its tree is animated do drivers follow it: of a node's own settings Blender's depsgraph knows nothing and
+    says so on the console, for every driver, each time that it is built. Else an edit is written as numbers.
+    """
+    path, kind = _path(node), float(KINDS["SUN"])
     known = (Variable("e", world, f"{path}.sun_elevation"), Variable("r", world, f"{path}.sun_rotation"))
-    place = _turned(world, turn, "cos(e)*sin(r)", "cos(e)*cos(r)", "sin(e)", known)
-    switch = Drive((Variable("d", world, f"{path}.sun_disc"),), f"{KINDS['SUN']}*d")
+    switch = Drive((Variable("d", world, f"{path}.sun_disc"),), f"{kind}*d")
     size = Drive((Variable("value", world, f"{path}.sun_size"),))
+    directions = ("cos(e)*sin(r)", "cos(e)*cos(r)", "sin(e)")
+    numbers: tuple[float, ...] = ()
+    if _is_animated(world):
+        ends: tuple[Entry, Entry] = (switch, size)
+        place = _turned(world, turn, *directions, known)
+    else:
+        x, y, z = (Drive(known, each).value() for each in directions)
+        ends, place = (switch.value(), size.value()), _still(world, turn, x, y, z)
+        numbers = (x, y, z, switch.value(), size.value())
     return Source(
-        key=("sky", world.as_pointer(), world.name_full, node.name, node.sky_type, _signature(turn)),
+        key=("sky", world.as_pointer(), world.name_full, node.name, node.sky_type, numbers, _signature(turn)),
         name=f"{world.name}: {node.name}",
         kind="SUN",
-        entries=(*place, switch, 0.0, 0.0, 0.0, size, 0.0, 0.0, 0.0, 0.0),
+        entries=(*place, ends[0], 0.0, 0.0, 0.0, ends[1], 0.0, 0.0, 0.0, 0.0),
         strength=_SUN_STRENGTH,
     )
 
 
+def _is_animated(world: bpy.types.World) -> bool:
+    """Whether keys, drivers or strips may move a world's nodes."""
+    found = world.node_tree.animation_data
+    return found is not None and bool(found.action is not None or found.drivers or found.nla_tracks)
+
+
+def _still(world: bpy.types.World, turn: bpy.types.Node | Matrix, x: float, y: float, z: float) -> tuple[Entry, ...]:
+    """A direction that does not move in the texture's own frame as one of the world."""
+    if isinstance(turn, Matrix):
+        return tuple(Vector(row).dot(Vector((x, y, z))) for row in _rows(turn))
+    return _turned(world, turn, f"{x:.7g}", f"{y:.7g}", f"{z:.7g}", ())
+
+
 def _spots(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix) -> Iterator[Source]:
     for number, (x, y, z, radius, strength) in enumerate(hot_spots.of(node.image)):
-        texts = (f"{x:.7g}", f"{y:.7g}", f"{z:.7g}")
-        if isinstance(turn, Matrix):
-            place: tuple[Entry, ...] = tuple(Vector(row).dot(Vector((x, y, z))) for row in _rows(turn))
-        else:
-            place = _turned(world, turn, *texts, ())
         yield Source(
-            key=("image", world.as_pointer(), world.name_full, node.name, number, texts, radius, _signature(turn)),
+            key=("image", world.as_pointer(), world.name_full, node.name, number, (x, y, z), radius, _signature(turn)),
             name=f"{world.name}: {node.image.name}",
             kind="SUN",
-            entries=(*place, float(KINDS["SUN"]), 0.0, 0.0, 0.0, 2.0 * radius, 0.0, 0.0, 0.0, 1.0),
+            entries=(
+                *_still(world, turn, x, y, z), float(KINDS["SUN"]), 0.0, 0.0, 0.0, 2.0 * radius, 0.0, 0.0, 0.0, 1.0,
+            ),
             strength=strength,
-        )
+        )  # fmt: skip
 
 
 def _signature(turn: bpy.types.Node | Matrix) -> tuple:

@@ -15,8 +15,8 @@ from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import read_sidecar
 from .. import colour_spaces, paths
 from ..versions import give_nodes, tells_mirrored_uv
-from . import frame, osl, pigment, setup, travel
-from .node import group, keys
+from . import osl, pigment, setup, travel
+from .node import frame, group, keys
 from .node.group import NODE
 from .scales.wire import wire as wire_scales
 

@@ -51,7 +51,7 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
         def work(progress: Progress) -> Any:
             from ...precompute.errors import ParameterError
             from ...precompute.evaluate import reflectance
-            from ...precompute.evaluate.reflectance_plot import save_plot
+            from ...precompute.evaluate.reflectance_plot import save_plot, small_plot
             from ...precompute.readers import read_scan
             from ...precompute.scan.lattice import find_lattice
             from ...precompute.scan.preparation import prepare
@@ -71,14 +71,14 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
             peaks, periods = reflectance.estimated_periods(plane, values)
             progress("draw", 0.9)
             path = save_plot(folder / "diffraction_reflectance.png", plane, values, peaks, period)
-            return path, float(periods.mean()), float(periods.std()), period
+            return path, small_plot(plane, values, period), float(periods.mean()), float(periods.std()), period
 
         return [Job(work)]
 
     def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The plot becomes an image."""
-        ((path, mean, spread, period),) = results
-        pictures.show_file(context, IMAGE, path)
+        ((path, small, mean, spread, period),) = results
+        pictures.show_file(context, IMAGE, path, small)
         text = f"Period by the colours {mean * 1e9:.1f} nm (spread {spread * 1e9:.1f} nm), by the heights "
         context.scene.diffraction.plot_result = text + f"{period * 1e9:.1f} nm"
         return context.scene.diffraction.plot_result

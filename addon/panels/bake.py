@@ -69,10 +69,8 @@ class DIFFRACTION_PT_bake_stuff(Sidebar, bpy.types.Panel):
             layout.prop(state, "stack_colour")
             icon, said = stack_preview.plot(state.substrate, state.films, state.lacquer)
             if icon:
-                self.layout.template_icon(icon_value=icon, scale=9.0)
-            column = self.layout.column(align=True)
-            column.label(text=said)
-            column.label(text="380 to 780 nm, upwards 0 to 90 degrees; right: in daylight")
+                self.layout.template_icon(icon_value=icon, scale=11.0)
+            note(self.layout, f"{said}. To the right nm, upwards degrees; the right edge: its colour in daylight")
             for text in made["stack"].notes:
                 note(layout, text)
 
@@ -127,10 +125,10 @@ def _estimate(layout: bpy.types.UILayout, scene: bpy.types.Scene) -> None:
         column.label(text=f"{megabytes(texture_bytes(cost.texel_bytes))} of texture to render", icon="TEXTURE")
         if cost.refined_bytes > cost.texel_bytes:
             most = megabytes(texture_bytes(cost.refined_bytes))
-            column.label(text=f"Up to {most} where its error asks for more", icon="BLANK1")
+            note(column, f"Up to {most} where its error asks for more", "BLANK1")
         if scene.diffraction.ensemble != "periodic":
             window = found.coherence
-            column.label(text=f"Coherence {window.sigma_s_m * 1e6:.3g} um, {window.limit}", icon="LIGHT_SUN")
+            note(column, f"Coherence {window.sigma_s_m * 1e6:.3g} um, {window.limit}", "LIGHT_SUN")
             if window.warning:
                 note(layout, window.warning, "ERROR")
 
@@ -145,7 +143,7 @@ def _table(layout: bpy.types.UILayout, state: Any, found: TableState) -> None:
     note(column, file_name(state.table_path), "CHECKMARK")
     column.label(text=found.summary, icon="BLANK1")
     for line in energy_lines(found.info):
-        column.label(text=f"Energy, {line}", icon="BLANK1")
+        note(column, f"Energy, {line}", "BLANK1")
     if found.info.get("albedo_max", 0.0) > 1.0 and not state.conserve_energy:
         note(column, "At grazing angles it would reflect more light than it gets: switch Conserve Energy on", "ERROR")
     changed = bake_settings.changed(state.table_recipe, state)

@@ -9,6 +9,9 @@ import time
 #: How Blender logs what an operator reports, and which files it reads.
 _REPORT = re.compile(r"^[0-9:.]+ +(operator +\| |blend +\| Read blend)")
 
+#: The region that is looked at where no other is named.
+SIDEBAR = ("VIEW_3D", "UI", 0)
+
 STATE = "bpy.context.scene.diffraction"
 
 
@@ -132,43 +135,44 @@ class Desk:
         self._places = self.driver.sweep()
         return [text for text, _, _ in self._places]
 
-    def find(self, what, share=0.6):
+    def find(self, what, share=0.6, where=SIDEBAR):
         """Where a button is: a part of its command or data path, which must not go on after it, or a
         pattern.
 
-        `share` of the sidebar's width is where it is looked for: small buttons stand on the right.
+        `share` of the region's width is where it is looked for: small buttons stand on the right. `where` is the
+        region: kind of editor, of region, number of the window.
         """
         pattern = what.pattern if isinstance(what, re.Pattern) else re.escape(what) + r"(?![a-zA-Z_])"
+        if where != SIDEBAR:
+            self._places = []
         near = next((place for text, *place in self._places if re.search(pattern, text)), None)
         for tries in range(10):
-            found = self.driver.sweep(begin=near[1] if near else None, until=pattern, share=share)
+            found = self.driver.sweep(*where, begin=near[1] if near else None, until=pattern, share=share)
             self._remember(found)
             if found and re.search(pattern, found[-1][0]):
                 place = tuple(found[-1][1:])
-                self.driver.point(*place)
-                if re.search(pattern, self.run("print(under())")):
+                self.driver.point(*place, where[2])
+                if re.search(pattern, self.run(f"print(under(*{where}))")):
                     return place
             near = None
-            self.scroll(40 if tries == 0 else -8)
+            self.scroll(40 if tries == 0 else -8, where)
         seen = "\n".join(text for text, _, _ in self._places)
-        raise AssertionError(f"{what} is not in the sidebar, which shows\n{seen}")
+        raise AssertionError(f"{what} is not in {where}, which shows\n{seen}")
 
     def _remember(self, found):
         new = {text: (text, x, y) for text, x, y in found}
         self._places = [*(place for place in self._places if place[0] not in new), *new.values()]
 
-    def scroll(self, clicks):
+    def scroll(self, clicks, where=SIDEBAR):
         """Turn the wheel over the sidebar."""
-        left, bottom, width, height = self.look("rectangle()")
+        left, bottom, width, height = self.look(f"rectangle(*{where})")
         x, y = left + width // 3, bottom + height // 2
-        self.driver.point(x, y)
-        kind = "WHEELUPMOUSE" if clicks > 0 else "WHEELDOWNMOUSE"
-        self.run(f"for _ in range({abs(clicks)}): send({kind!r}, 'PRESS', {x}, {y})")
-        self.driver.turn()
+        self.driver.point(x, y, where[2])
+        self.driver.wheel(clicks, where[2])
 
-    def press(self, what, wait=True, share=0.6):
+    def press(self, what, wait=True, share=0.6, where=SIDEBAR):
         """A click on a button of the sidebar; waits until what it started has ended."""
-        self.driver.click(*self.find(what, share))
+        self.driver.click(*self.find(what, share, where), where[2])
         time.sleep(0.2)
         if wait:
             self.wait()
@@ -203,6 +207,12 @@ class Desk:
         self.driver.key("HOME", *["DOWN_ARROW"] * items.index(identifier), "RET")
         time.sleep(0.3)
         assert self.look(f"{owner}.{name}") == identifier
+
+    def pick(self, number):
+        """Take an entry of the menu that is open, counted from 0."""
+        self.driver.key("HOME", *["DOWN_ARROW"] * number, "RET")
+        self.settle()
+        self.wait()
 
     def switch(self, name):
         """Click a check box."""

@@ -106,6 +106,12 @@ class Simulated:
         self.run("\n".join(f"send('LEFTMOUSE', '{value}', {x}, {y}, {number})" for value in ("PRESS", "RELEASE")))
         self.turn()
 
+    def wheel(self, clicks, number=0):
+        """Turn the wheel where the mouse is, upwards or downwards."""
+        kind, (x, y) = "WHEELUPMOUSE" if clicks > 0 else "WHEELDOWNMOUSE", self._at
+        self.run(f"for _ in range({abs(clicks)}): send({kind!r}, 'PRESS', {x}, {y}, {number})")
+        self.turn()
+
     def drag(self, begin, end, number=0, steps=8):
         """Press the left button at one place and let it go at another."""
         self.point(*begin, number)
@@ -143,9 +149,9 @@ class Simulated:
     def sweep(self, kind="VIEW_3D", name="UI", number=0, begin=None, until="", share=0.6):
         """What lies in a region: commands and data paths with their places, till one matches a pattern."""
         self.run(f"sweep({kind!r}, {name!r}, {number}, {begin}, {until!r}, {share})")
-        deadline = time.monotonic() + 60.0
+        deadline = time.monotonic() + 300.0
         while not (found := self.run("swept()")):
-            assert time.monotonic() < deadline
+            assert time.monotonic() < deadline, "The mouse did not come through the region"
             time.sleep(0.05)
         return json.loads(found)
 
@@ -198,7 +204,7 @@ class Rig:
         subprocess.run(["bash", str(self._scripts / "blender.sh"), str(folder), *arguments], check=True)
         self._x("gaps")
         self.run((HERE / "probe.py").read_text(encoding="utf-8"))
-        self._top = int(self.run("print(window().y + window().height)"))
+        self._at = (10, 10)
 
     def _x(self, *words, timeout=120):
         done = subprocess.run(
@@ -214,23 +220,26 @@ class Rig:
     def turn(self):
         self.run("0")
 
-    def _screen(self, x, y):
-        return x + int(self.run("print(window().x)")), 1080 - self._bottom() - y
-
-    def _bottom(self):
-        return int(self.run("print(window().y)"))
+    def _screen(self, x, y, number=0):
+        left, bottom = json.loads(self.run(f"print([window({number}).x, window({number}).y])"))
+        return x + left, 1080 - bottom - y
 
     def point(self, x, y, number=0):
-        self._x("move", *self._screen(x, y))
+        self._at = (x, y)
+        self._x("move", *self._screen(x, y, number))
+
+    def wheel(self, clicks, number=0):
+        for _ in range(abs(clicks)):
+            self._x("click", *self._screen(*self._at, number), 4 if clicks > 0 else 5)
 
     def click(self, x, y, number=0):
-        self._x("click", *self._screen(x, y))
+        self._x("click", *self._screen(x, y, number))
 
     def drag(self, begin, end, number=0, steps=8):
-        self._x("drag", *self._screen(*begin), *self._screen(*end))
+        self._x("drag", *self._screen(*begin, number), *self._screen(*end, number))
 
     def top(self, height):
-        return height - self._bottom()
+        return height - int(self.run("print(window().y)"))
 
     def key(self, *names, number=0, **modifiers):
         words = [_XDOTOOL.get(name, name.lower()) for name in names]
@@ -244,7 +253,7 @@ class Rig:
         for x, y in json.loads(
             self.run(f"print(json.dumps(places({kind!r}, {name!r}, {number}, {begin}, share={share})))")
         ):
-            self.point(x, y)
+            self.point(x, y, number)
             text = self.run(f"print(under({kind!r}, {name!r}, {number}))")
             if text:
                 found.append([text, x, y])

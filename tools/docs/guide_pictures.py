@@ -14,8 +14,8 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
-#: Materials on the sheet, by preset.
-SHOWN = ("snake", "elaphe", "cd", "dvd", "blazed", "foil")
+#: Materials on the sheet.
+SHOWN = ("Sunbeam Snake", "Corn Snake", "CD", "Jewel Beetle", "Holographic Foil", "Trading Card")
 
 
 def levelling(path):
@@ -46,9 +46,8 @@ def assets(path):
     spec.loader.exec_module(module)
     from precompute.files.images import write_png
 
-    module.PREVIEW_SIDE = 256
     with tempfile.TemporaryDirectory() as folder:
-        made = module.build_assets(Path(folder) / "assets.blend", only=SHOWN, samples=48)
+        made = module.build_assets(Path(folder) / "assets.blend", only=SHOWN, samples=48, side=256)
         tiles = [np.array(m.preview.image_pixels_float[:]).reshape(*m.preview.image_size, 4) for m in made]
     tiles = [tile[..., :3] * tile[..., 3:] + 0.11 * (1.0 - tile[..., 3:]) for tile in tiles]
     half = (len(tiles) + 1) // 2

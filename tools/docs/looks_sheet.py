@@ -45,8 +45,8 @@ def shots(keep, arguments, side):
             continue
         path = keep / f"{asset.name.replace('/', ' ')}.png"
         if not path.is_file():
-            material = library.make_material(asset, shapes[asset.shape], arguments.detail, arguments.implementation)
-            pixels = stage.picture(scene, material, shapes, asset.shape, asset.bright, arguments.samples, side)
+            library.make_material(asset, shapes[asset.shape], arguments.detail, arguments.implementation)
+            pixels = stage.picture(scene, shapes, asset, arguments.samples, side)
             cut = (np.clip(pixels, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8).reshape(side, side, 4)[::-1]
             Image.fromarray(cut, "RGBA").save(path)
         yield asset.name, Image.open(path).copy()
@@ -59,7 +59,7 @@ def main():
     parser.add_argument("names", nargs="*", help="materials; by default all")
     parser.add_argument("--out", type=Path, default=ROOT / "docs" / "pictures" / "looks.jpg")
     parser.add_argument("--detail", type=float, default=1.0)
-    parser.add_argument("--samples", type=int, default=48)
+    parser.add_argument("--samples", type=int, default=32)
     parser.add_argument("--side", type=int, default=SIDE)
     parser.add_argument("--keep", type=Path, help="folder of single pictures, which are not made again")
     parser.add_argument("--implementation", default="OSL")

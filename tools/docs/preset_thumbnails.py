@@ -43,8 +43,8 @@ def draw(names):
         shapes = stage.build(scene)
         look = look_of(name)
         asset = library.Asset(name, "", "", name, shape="DISC" if look.orientation == "RADIAL" else "BALL")
-        material = library.make_material(asset, shapes[asset.shape], 1.0, "OSL")
-        pixels = stage.picture(scene, material, shapes, asset.shape, asset.bright, 64)
+        library.make_material(asset, shapes[asset.shape], 1.0, "OSL")
+        pixels = stage.picture(scene, shapes, asset, 64)
         pixels = pixels.reshape(stage.SIDE, stage.SIDE, 4)[::-1]
         picture = Image.fromarray((np.clip(pixels, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8), "RGBA")
         picture.resize((SIDE, SIDE), Image.LANCZOS).save(FOLDER / f"{name}.png", optimize=True)

@@ -21,9 +21,9 @@ from ....precompute.light.illuminant import to_json
 from ....precompute.table.layout import TableLayout
 from ...colour_spaces import working_space
 from ...versions import tells_mirrored_uv
-from .. import batch, frame, nodes_twin, osl, script_node
+from .. import batch, nodes_twin, osl, script_node
 from ..node_graph import Graph
-from . import interface, keys, lamp_nodes
+from . import frame, interface, keys, lamp_nodes
 
 #: Name of the node that holds a material's diffraction.
 NODE = "Diffraction"

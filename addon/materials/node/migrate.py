@@ -14,9 +14,8 @@ import bpy
 
 from ....precompute.errors import DiffractionError
 from ...tables import recipe
-from .. import frame
 from .. import material as materials
-from . import group, interface, keys
+from . import frame, group, interface, keys
 
 #: The second output of Nodes materials of 0.1.0.
 _EEVEE_OUTPUT = "EEVEE Output"

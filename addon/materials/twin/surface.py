@@ -14,7 +14,7 @@ import bpy
 
 from ....precompute.constants import LEAST_SCALE
 from ....precompute.table.layout import TableLayout
-from .. import frame
+from ..node import frame
 from ..node_graph import Graph, Socket, Value, interface, new_group
 from . import lookup
 from . import value as values

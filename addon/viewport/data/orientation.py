@@ -7,7 +7,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...materials import frame, material
+from ...materials import material
+from ...materials.node import frame
 
 #: Modes: the tangent of a UV map, a vector attribute of the mesh, round an axis of the object, the object's x.
 MODES = ("UV", "ATTRIBUTE", "RADIAL", "OBJECT")

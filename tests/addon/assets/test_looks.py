@@ -52,6 +52,32 @@ def test_the_table_is_whole(wing):
         assert all(hasattr(bpy.context.scene.diffraction, name) for name in asset.surface)
 
 
+def test_what_mirrors_is_seen_by_its_orders(wing):
+    """A dim room, a tube for its stripes; skin has neither, and pictures share what is hidden and strong."""
+    from diffraction_shader.addon.materials.twin.lamps import EEVEE_LAMPS_MAX
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    shapes = wing.stage.build(scene)
+    lamps = [ob for ob in scene.objects if ob.type == "LIGHT"]
+    assert len(lamps) <= EEVEE_LAMPS_MAX
+    sky = scene.world.node_tree.nodes["Background"].inputs["Strength"]
+    seen = {}
+    for asset in wing.looks.ASSETS:
+        if asset.name in ("Gold Grating 600/mm", "CD", "Trading Card", "Corn Snake"):
+            wing.stage.picture(scene, shapes, asset, 1, 8)
+            seen[asset.name] = {ob.name for ob in lamps if not ob.hide_render}, sky.default_value
+            assert [name for name, ob in shapes.items() if not ob.hide_render] == [asset.shape]
+    assert {name: names for name, (names, _) in seen.items()} == {
+        "Gold Grating 600/mm": {"Sun", "Window", "Tube"},
+        "CD": {"Bulb"},
+        "Trading Card": {"Bulb", "Tube"},
+        "Corn Snake": {"Sun", "Window"},
+    }
+    assert all(strength < 1.0 for name, (_, strength) in seen.items() if name != "Corn Snake")
+
+
 @pytest.mark.parametrize("name", ["glitter", "card", "sticker", "mark"])
 def test_art_is_a_paint_that_one_table_holds(wing, name):
     """No period above the table's, structure on a part of the picture, several directions, ink beside it."""
@@ -74,11 +100,11 @@ def picture(wing, tmp_path, name, implementation, engine, side):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "look.blend"))
     shapes = wing.stage.build(scene)
     asset = next(each for each in wing.looks.ASSETS if each.name == name)
-    material = wing.library.make_material(asset, shapes[asset.shape], 0.25, implementation)
+    wing.library.make_material(asset, shapes[asset.shape], 0.25, implementation)
     scene.render.engine = engine
     if engine != "CYCLES":
         scene.eevee.taa_render_samples = 1
-    pixels = wing.stage.picture(scene, material, shapes, asset.shape, asset.bright, 4, side)
+    pixels = wing.stage.picture(scene, shapes, asset, 4, side)
     return pixels.reshape(side, side, 4)
 
 

@@ -92,6 +92,7 @@ def test_keys_of_a_sky_move_its_sun(blender, tmp_path):
             node.keyframe_insert(path, frame=frame)
         wanted[frame] = (math.cos(elevation) * math.sin(rotation), math.cos(elevation) * math.cos(rotation))
         wanted[frame] += (math.sin(elevation),)
+    bpy.context.view_layer.update()
     extension.load().unregister()
     try:
         for frame in (20, 1, 20):
@@ -100,6 +101,22 @@ def test_keys_of_a_sky_move_its_sun(blender, tmp_path):
             assert list(evaluated[slots.names(1)[0]])[:3] == pytest.approx(wanted[frame], abs=1e-6)
     finally:
         extension.load().register()
+
+
+def test_edits_of_a_sky_move_its_sun_without_a_driver(blender, tmp_path, capfd):
+    """Blender's depsgraph knows no settings of a world's nodes, and says so for each driver that follows one."""
+    from diffraction_shader.addon.lights import slots
+
+    set_up(tmp_path)
+    _, node = sky(0.2, 0.5)
+    scene = bpy.context.scene
+    for elevation, rotation, disc in ((0.2, 0.5, True), (1.1, 2.5, True), (1.1, 2.5, False)):
+        node.sun_elevation, node.sun_rotation, node.sun_disc = elevation, rotation, disc
+        bpy.context.view_layer.update()
+        place = math.cos(elevation) * math.sin(rotation), math.cos(elevation) * math.cos(rotation), math.sin(elevation)
+        assert list(scene[slots.names(1)[0]]) == pytest.approx([*place, float(disc) * slots.KINDS["SUN"]], abs=1e-6)
+    assert scene.animation_data is None or not len(scene.animation_data.drivers)
+    assert "Failed to add relation" not in "".join(capfd.readouterr())
 
 
 def test_glowing_ball_lights_like_a_lamp_of_its_size(blender, tmp_path):
