@@ -388,6 +388,12 @@ def _bake(
         seen = seen if to_adapted is None else seen @ to_adapted.T
     layout, atlas = assemble(texels, layout, np.stack([albedo, conserving]), to_adapted, seen)
     stages.done("atlas")
+    spent: dict[str, object] = {
+        "model": parameters.energy,
+        "albedo_max_xyz": float(albedo.max()),
+        "share_cut": kept.share_cut,
+        "share_lost": lost_share(albedo),
+    }
     info = {
         "key": table_key(scan, parameters),
         "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
@@ -407,12 +413,7 @@ def _bake(
         },
         "terms": polar.series.terms or len(nodes),
         "albedo_max": float(conserving.max()),
-        "energy": {
-            "model": parameters.energy,
-            "albedo_max_xyz": float(albedo.max()),
-            "share_cut": kept.share_cut,
-            "share_lost": lost_share(albedo),
-        },
+        "energy": spent,
         "error": reached.to_json(),
         "coherence": window_of(patch, parameters).to_json(),
     }
@@ -425,7 +426,7 @@ def _bake(
     table = SpectralTable(layout, atlas, info)
     with threadpool_limits(1, user_api="blas"):
         bound = scaled_bounds(table, albedo, *fewer(means), nodes, kappa_max, wavelengths, gain)
-    info["energy"]["scaled_bound"] = scaled_bound.pack(bound)
+    spent["scaled_bound"] = scaled_bound.pack(bound)
     stages.done("scaled energy")
     return table
 

@@ -160,7 +160,7 @@ class Importance:
         if s == 1.0:
             return self.draw(wr, xi_1, xi_2, chosen)
         viewer = np.array([s * wr[0], s * wr[1], np.sqrt(max(1.0 - s * s * (wr[0] ** 2 + wr[1] ** 2), 0.0))])
-        view = _nearest_view(*(float(value) for value in viewer), chosen)[1]
+        view = _nearest_view(float(viewer[0]), float(viewer[1]), float(viewer[2]), chosen)[1]
         within = float(self.cuts()[view, cut(float(wr[2]), s)])
         wi, gain = self.draw(viewer, np.minimum(xi_1 * within, 0.9999999), xi_2, chosen)
         place = (wi[:, :2] + viewer[:2]) / s - wr[:2]
