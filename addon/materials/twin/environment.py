@@ -30,7 +30,7 @@ def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
     """Group (random numbers) -> direction, half vector of any length, colour and its factor.
 
     Directions are drawn in proportion to the luminance of f cos, see `precompute.table.importance`; colour times factor
-    is f cos over the density. ``Finished`` is the factor with the light's albedo, ``Special`` is 1 where that counts.
+    is f cos over the density. ``Finished`` is the factor with the albedos, ``Special`` is 1 where they count.
     """
     outputs = {"To": _VECTOR, "Half": _VECTOR, "RGB": _VECTOR, "Weight": _FLOAT}
     outputs |= {"Finished": _FLOAT, "Special": _FLOAT}
@@ -170,7 +170,7 @@ def _drawn(
     h = graph.vector("MULTIPLY_ADD", surface["B"], y, h)
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
     w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
-    return to, h, surface.value(square, turn, w), weight, *surface.with_albedo(weight, x, y, cos_i)
+    return to, h, surface.value(square, turn, w, h), weight, *surface.with_albedo(weight, x, y, cos_i)
 
 
 def _flat(graph: Graph, cos_r: Socket, xi_1: Socket, xi_2: Socket, wr: list[Socket]) -> tuple[Socket, Socket, Socket]:
