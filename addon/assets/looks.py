@@ -82,7 +82,7 @@ class Asset:
     def bright(self) -> float:
         """How much more it sends back than dark skin, roughly: what its picture is exposed for."""
         if self.species:
-            return 5.0 if self.species == "CORN" else 2.5
+            return 5.0 if self.species == "CORN" else 1.4
         return 16.0 if self.mirrors else 1.0
 
     @property

@@ -160,10 +160,6 @@ def _undrive(scene: bpy.types.Scene, name: str) -> None:
 def _drive(scene: bpy.types.Scene, name: str, index: int, entry: Drive) -> None:
     driver = scene.driver_add(f'["{name}"]', index).driver
     expression = entry.expression
-    if any(isinstance(each.owner, bpy.types.World) for each in entry.variables):
-        # Blender finds no relation from settings of a world's nodes to a driver; one that asks for the frame is
-        # evaluated with each, so that keyed ones are followed.
-        expression = f"{expression or '+'.join(each.name for each in entry.variables)}+0*frame"
     driver.type = "SCRIPTED" if expression else "SUM"
     for each in entry.variables:
         variable = driver.variables.new()

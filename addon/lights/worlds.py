@@ -107,12 +107,15 @@ def _sun(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Ma
     """The sun of a sky.
 
     Only where its tree is animated do drivers follow it: of a node's own settings Blender's depsgraph knows nothing and
-    says so on the console, for every driver, each time that it is built. Else an edit is written as numbers.
+    says so on the console, for every driver, each time that it is built. Else an edit is written as numbers. What a
+    node's sockets hold it does know, so that a driver which has one of them among its variables is evaluated after the
+    tree's animation; without it, one frame late as it happens.
     """
     path, kind = _path(node), float(KINDS["SUN"])
-    known = (Variable("e", world, f"{path}.sun_elevation"), Variable("r", world, f"{path}.sun_rotation"))
-    switch = Drive((Variable("d", world, f"{path}.sun_disc"),), f"{kind}*d")
-    size = Drive((Variable("value", world, f"{path}.sun_size"),))
+    after = Variable("o", world, f"{path}.outputs[0].default_value[0]")
+    known = (Variable("e", world, f"{path}.sun_elevation"), Variable("r", world, f"{path}.sun_rotation"), after)
+    switch = Drive((Variable("d", world, f"{path}.sun_disc"), after), f"{kind}*d")
+    size = Drive((Variable("v", world, f"{path}.sun_size"), after), "v")
     directions = ("cos(e)*sin(r)", "cos(e)*cos(r)", "sin(e)")
     numbers: tuple[float, ...] = ()
     if _is_animated(world):

@@ -91,7 +91,7 @@ def make(work: Callable[[], Any]) -> Any:
         finally:
             current = None
         _bring_up_to_date(batch)
-        _within_update(lambda: _put_waiting(batch))
+        _within_update(lambda: _put_all(batch.waiting))
         _bring_up_to_date(batch)
     except BaseException:
         for tree in batch.trees.values():  # half a group is none: `node_graph.shared_group` makes an empty one anew
@@ -126,9 +126,10 @@ def put(socket: Any, value: Any) -> None:
         socket.default_value = value
 
 
-def _put_waiting(batch: Batch) -> None:
-    for socket, value in batch.waiting:
+def _put_all(waiting: list[tuple[Any, Any]]) -> bool:
+    for socket, value in waiting:
         put(_found(socket), _found(value))
+    return True
 
 
 def _found(socket: Any) -> Any:

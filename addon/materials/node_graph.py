@@ -80,7 +80,10 @@ class Graph:
 
     def clamp(self, a: Value, low: float, high: float) -> Socket:
         """a within [low, high]."""
-        return self.math("MAXIMUM", self.math("MINIMUM", a, high), low)
+        node = self.add("ShaderNodeClamp")
+        for socket, value in zip(node.inputs, (a, low, high), strict=True):
+            self.put(socket, value)
+        return node.outputs[0]
 
     def vector(self, operation: str, *values: Value) -> Socket:
         """A Vector Math node that gives a vector."""

@@ -67,10 +67,17 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
         "WIDTH",
         "HEIGHT",
         "VIEWS",
+        "FIRST_VIEWS",
+        "SET_VIEWS",
+        "AZIMUTHS_SETS",
+        "SET_COSINE",
+        "CUTS",
         "GUARD_X",
         "GUARD_Y",
     ):
         numbers[f"IMPORTANCE_{name}"] = float(getattr(importance, name))
+    numbers["IMPORTANCE_SETS"] = float(len(importance.DEPTHS))
+    numbers["IMPORTANCE_DEPTH_STEP"] = importance.DEPTHS[0] - importance.DEPTHS[1]
     numbers.update({f"FRESNEL_{name}": value for name, value in FRESNEL.items()})
     numbers.update({f"LAMP_{name}": value for name, value in LAMP_KINDS.items()})
     defines = "".join(f"#define {name} {value!r}\n" for name, value in sorted(numbers.items()))

@@ -17,7 +17,7 @@ from .. import paths
 from ..jobs.job import Job
 from ..jobs.threaded import Threaded, busy
 from ..materials import material, refresh, travel
-from ..materials.node import group
+from ..materials.node import group, paint_nodes
 from ..preferences import bake_device
 from ..tables import bake_settings, recipe, scan_store
 from ..tables.bake_job import BakeJob
@@ -164,7 +164,7 @@ class DIFFRACTION_OT_find_files(bpy.types.Operator):
 
 
 class DIFFRACTION_OT_collect_files(bpy.types.Operator):
-    """Copy tables and scans beside this .blend, so that its folder holds all it needs"""
+    """Copy tables, paints and scans beside this .blend, so that its folder holds all it needs"""
 
     bl_idname = "diffraction.collect_files"
     bl_label = "Collect Files"
@@ -184,7 +184,10 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
                 if scene.diffraction.scan_path:
                     scan_store.bring_here(scene)
             for place, users in tables().items():
-                count += self._collect(context, place, [each for each in users if each.is_editable])
+                local = [each for each in users if each.is_editable]
+                count += self._collect(context, place, local)
+                for painted in filter(None, map(paint_nodes.image, local)):
+                    self._collect_paint(painted)
                 count += self._copy_linked([each for each in users if each.library is not None])
         except (DiffractionError, OSError) as error:
             self.report({"ERROR"}, str(error))
@@ -213,6 +216,15 @@ class DIFFRACTION_OT_collect_files(bpy.types.Operator):
             if made:
                 group.owner(each)[recipe.KEY] = made
         return 1
+
+    def _collect_paint(self, painted: bpy.types.Image) -> None:
+        if painted.library is not None or painted.packed_file is not None or not painted.filepath:
+            return
+        there = paths.absolute(painted.filepath)
+        target = paths.data_folder() / there.name  # a paint's name follows its content
+        if there.is_file() and there != target:
+            _copy(there, target)
+            painted.filepath = paths.relative(target)
 
     def _copy_linked(self, users: list[bpy.types.Material]) -> int:
         count, folder = 0, paths.absolute("//")

@@ -23,6 +23,7 @@ from ..scan.heightfield import HeightField
 from ..scan.preparation import prepare
 from ..stack import Material, Stack, fresnel_exact
 from ..stack import to_json as stack_to_json
+from ..table import scaled_bound
 from ..table.albedo import SECTORS, albedo_map
 from ..table.cache import TableCache, origin, table_key
 from ..table.facts import lost_share
@@ -35,6 +36,7 @@ from .energy import Energy, energy, sector_shares
 from .intensity import PolarIntensity
 from .plan import plan_layout
 from .refinement import refine, sentence
+from .scaled_energy import scaled_bounds
 from .series import chebyshev_nodes, check_single_precision, node_count
 from .spectral_sum import Reflectance, SpectralSum
 from .transforms import workers
@@ -343,10 +345,12 @@ def _bake(
             coarse,
         )
 
+    def fewer(means: list[np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+        """Every second frequency, which the far radii use anyway."""
+        return (total.grids[-1], means[-1]) if len(means) > 1 else (total.grids[0][::2], means[0][:, ::2])
+
     def energy_of(means: list[np.ndarray], gain: np.ndarray | None, albedo: np.ndarray | None, capped: bool) -> Energy:
-        # Every second frequency, which the far radii use anyway.
-        f, lit = (total.grids[-1], means[-1]) if len(means) > 1 else (total.grids[0][::2], means[0][:, ::2])
-        return energy(f, lit, nodes, kappa_max, layout, wavelengths, index, gain, albedo, capped)
+        return energy(*fewer(means), nodes, kappa_max, layout, wavelengths, index, gain, albedo, capped)
 
     with threadpool_limits(1, user_api="blas"):  # the products are small and threads have one each
         total, gain = spectral_sum(stuff), None
@@ -384,6 +388,12 @@ def _bake(
         seen = seen if to_adapted is None else seen @ to_adapted.T
     layout, atlas = assemble(texels, layout, np.stack([albedo, conserving]), to_adapted, seen)
     stages.done("atlas")
+    spent: dict[str, object] = {
+        "model": parameters.energy,
+        "albedo_max_xyz": float(albedo.max()),
+        "share_cut": kept.share_cut,
+        "share_lost": lost_share(albedo),
+    }
     info = {
         "key": table_key(scan, parameters),
         "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
@@ -403,12 +413,7 @@ def _bake(
         },
         "terms": polar.series.terms or len(nodes),
         "albedo_max": float(conserving.max()),
-        "energy": {
-            "model": parameters.energy,
-            "albedo_max_xyz": float(albedo.max()),
-            "share_cut": kept.share_cut,
-            "share_lost": lost_share(albedo),
-        },
+        "energy": spent,
         "error": reached.to_json(),
         "coherence": window_of(patch, parameters).to_json(),
     }
@@ -418,7 +423,12 @@ def _bake(
         info["reflectance_xyz"] = np.round(seen[:: (N_REFLECTANCE - 1) // 18], 6).tolist()
     if parameters.lacquer is not None:
         info["lacquer"] = {"material": parameters.lacquer.to_json(), "n": index}
-    return SpectralTable(layout, atlas, info)
+    table = SpectralTable(layout, atlas, info)
+    with threadpool_limits(1, user_api="blas"):
+        bound = scaled_bounds(table, albedo, *fewer(means), nodes, kappa_max, wavelengths, gain)
+    spent["scaled_bound"] = scaled_bound.pack(bound)
+    stages.done("scaled energy")
+    return table
 
 
 def blocks_of_angles(count: int) -> list[slice]:

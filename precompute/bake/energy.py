@@ -31,6 +31,7 @@ import numpy as np
 
 from ..table.albedo import SECTORS
 from ..table.layout import TableLayout
+from ..table.scaled_albedo import BOUND_SLACK
 from .series import node_weights
 from .transforms import workers
 
@@ -39,9 +40,6 @@ _WAVELENGTHS, _THETAS, _AZIMUTHS, _SECTORS = 9, 23, 12, 48
 
 #: The last polar angle (radians).
 _THETA_LAST = np.radians(88.0)
-
-#: Bounds up to here are as good as 1: so far the sums over these angles err.
-_SLACK = 1.01
 
 #: Divisors that are tried; between them the light that is left is interpolated.
 _TRIED = np.array([1.0, 1.02, 1.05, 1.1, 1.2, 1.35, 1.6, 2.0, 3.0, 6.0, 20.0])
@@ -116,7 +114,7 @@ def energy(
     capped
         Whether T is to be capped too.
     """
-    albedos = _Albedos(frequencies, means, nodes, kappa_max, layout, index, albedo)
+    albedos = Albedos(frequencies, means, nodes, kappa_max, layout, index, albedo)
     lam = np.linspace(wavelengths[0], wavelengths[-1], _WAVELENGTHS)
     at_nodes: list[np.ndarray | None] = [None] * len(lam)
     if gain is not None:
@@ -127,18 +125,18 @@ def energy(
         # The equally steep pair of a slice, inside a lacquer and seen from outside.
         sine = index * np.sqrt(np.maximum(1.0 - (layout.slices / (2.0 * index)) ** 2, 0.0))
         steep = np.arcsin(np.minimum(sine, np.sin(_THETA_LAST)))
-        slim = _needed(parts).max(-1)  # (lam, theta)
+        slim = needed(parts).max(-1)  # (lam, theta)
         found = np.array([1.0 / np.interp(steep, albedos.thetas, row) for row in slim])
         gain = np.stack([np.interp(wavelengths, lam, column) for column in found.T])
     before = parts[:, 0]
-    bound = _needed(parts).max(0)  # (thetas, azimuths)
+    bound = needed(parts).max(0)  # (thetas, azimuths)
     after = parts[:, 0] / np.maximum(bound, 1.0)
     sky = np.sin(2.0 * albedos.thetas)[None, :, None] * np.ones_like(before)
     share = float(((before - after) * sky).sum() / max((before * sky).sum(), 1e-30))
-    return Energy(_on_tile(np.where(bound > _SLACK, bound, 1.0), albedos.thetas, layout), gain, share)
+    return Energy(_on_tile(np.where(bound > BOUND_SLACK, bound, 1.0), albedos.thetas, layout), gain, share)
 
 
-def _needed(light: np.ndarray) -> np.ndarray:
+def needed(light: np.ndarray) -> np.ndarray:
     """Least divisor that leaves at most 1 of the light.
 
     Parameters
@@ -152,7 +150,7 @@ def _needed(light: np.ndarray) -> np.ndarray:
     upper = np.where(enough.any(-1), np.argmax(enough, -1), len(_TRIED) - 1)
     lower = np.maximum(upper - 1, 0)
     more, less = (np.take_along_axis(left, k[..., None], -1)[..., 0] for k in (lower, upper))
-    part = np.clip((1.0 - 1.0 / more) / np.minimum(1.0 / less - 1.0 / more, -1e-12) * -1.0, 0.0, 1.0)
+    part = np.clip((1.0 - 1.0 / more) / np.maximum(1.0 / less - 1.0 / more, 1e-12), 0.0, 1.0)
     return np.where(upper == 0, 1.0, _TRIED[lower] + (_TRIED[upper] - _TRIED[lower]) * part)
 
 
@@ -166,7 +164,7 @@ def _on_tile(values: np.ndarray, thetas: np.ndarray, layout: TableLayout) -> np.
     return np.stack([np.interp(tile_theta, thetas, column) for column in around.T])
 
 
-class _Albedos:
+class Albedos:
     """Albedos of single wavelengths.
 
     What weighs T depends on the azimuth through the cosine of its distance from the viewer's, so that a sector and its
@@ -182,6 +180,7 @@ class _Albedos:
         layout: TableLayout,
         index: float,
         albedo: np.ndarray | None,
+        ring: float = _RING,
     ) -> None:
         count = _SECTORS if len(means) % _SECTORS == 0 else len(means)
         means = means.reshape(count, -1, *means.shape[1:]).mean(1)
@@ -189,7 +188,7 @@ class _Albedos:
         starts, start = [], 0
         while start < len(frequencies):
             starts.append(start)
-            start += max(1, round(_RING * start))
+            start += max(1, round(ring * start))
         self._f = frequencies
         self._starts = np.array(starts)
         step = frequencies[1]
@@ -225,26 +224,63 @@ class _Albedos:
         gain
             ``(n_w,)`` factor of T at the slices.
         """
-        n = self._index
+        return self.scaled_parts(wavelength, self.light(wavelength, gain), self.thetas, self._divisor)
+
+    def light(self, wavelength: float, gain: np.ndarray | None = None, scale: float = 1.0) -> np.ndarray:
+        """``(n_w, rings, half the sectors, azimuths)`` T du dv over `_delta` of one wavelength and its mirror image.
+
+        Of all rings that a surface stretched by `scale` or less can send out; a scale and depth move its places alone.
+        """
         weights = node_weights(self._nodes, self._kappa_max, 2.0 * np.pi * self._slices / wavelength)
         if gain is not None:
             weights = weights * gain[:, None]
-        count = int(np.searchsorted(self._f * wavelength, 2.0, side="right"))
-        starts = self._starts[self._starts < count]
+        count, starts = self._reach(wavelength / scale)
         lit = self._means[:, :count]
         light = (weights.astype(np.float32) @ lit.reshape(len(lit), -1)).reshape(len(weights), *lit.shape[1:])
         np.maximum(light, 0.0, out=light)
         light = np.add.reduceat(light, starts, axis=1)  # (n_w, rings, sectors): lambda^2 T du dv / (lambda^2 delta)
-        pairs = (light[:, :, self._ahead] + light[:, :, self._behind]) * self._doubled
-        rows = pairs.reshape(-1, _AZIMUTHS)
+        return (light[:, :, self._ahead] + light[:, :, self._behind]) * self._doubled
 
+    def _reach(self, wavelength: float) -> tuple[int, np.ndarray]:
+        """How many frequencies a wavelength sends out, and the first ones of their rings."""
+        count = int(np.searchsorted(self._f * wavelength, 2.0, side="right"))
+        return count, self._starts[self._starts < count]
+
+    def scaled_parts(
+        self,
+        wavelength: float,
+        light: np.ndarray,
+        thetas: np.ndarray,
+        divisor: np.ndarray,
+        scale: float = 1.0,
+        depth: float = 1.0,
+    ) -> np.ndarray:
+        """`parts` of the surface stretched by `scale` and deepened by `depth`: ``T'(u, v, w) = s^2 T(s u, s v, q w)``.
+
+        Parameters
+        ----------
+        wavelength
+            Metres.
+        light
+            What `light` made of it.
+        thetas
+            ``(n,)`` polar angles of the viewer.
+        divisor
+            ``(n,)`` what light towards them is divided by in any case.
+        scale, depth
+            Of the surface.
+        """
+        n = self._index
+        count, starts = self._reach(wavelength / scale)
+        light = light[:, : len(starts)]
+        rows = light.reshape(-1, _AZIMUTHS)
         area = np.add.reduceat(self._area[:count], starts)
         middle = np.add.reduceat(self._area[:count] * self._f[:count], starts) / area
         width = np.diff(np.append(starts, count)) * self._f[1]
-        r = (middle * wavelength)[:, None]
+        r = (middle * (wavelength / scale))[:, None]
         alpha = (np.arange(self._half) + 0.5) * self._delta
-        half_extent = 0.5 * np.hypot(width[:, None] * wavelength, r * self._delta)
-        sin_r = np.sin(self.thetas)[:, None, None]
+        half_extent = 0.5 * np.hypot(width[:, None] * (wavelength / scale), r * self._delta)
+        sin_r = np.sin(thetas)[:, None, None]
         cos_r = np.sqrt(1.0 - (sin_r / n) ** 2)
         rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
         inside = np.minimum(rho, 1.0)
@@ -257,14 +293,15 @@ class _Albedos:
         w = n * (cos_i + cos_r)
         weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
         # Below the last slice T goes on like |w|^power.
-        weight *= np.minimum(w / self._slices[0], 1.0) ** self._layout.power
-        position = self._layout.slice_coordinate(w)
+        weight *= np.minimum(depth * w / self._slices[0], 1.0) ** self._layout.power
+        position = self._layout.slice_coordinate(depth * w)
         lower = np.minimum(position.astype(int), len(self._slices) - 2)
         blend = position - lower
-        place = lower * (len(starts) * self._half) + np.arange(len(starts) * self._half).reshape(len(starts), -1)
+        cells = light.shape[1] * self._half
+        place = lower * cells + np.arange(cells).reshape(-1, self._half)
         found = np.take(rows, place, axis=0) * (weight * (1.0 - blend))[..., None].astype(np.float32)
-        above = np.take(rows, place + len(starts) * self._half, axis=0)
+        above = np.take(rows, place + cells, axis=0)
         found += above * (weight * blend)[..., None].astype(np.float32)
-        divisor = np.interp(np.arcsin(inside), self.thetas, self._divisor)
-        divided = (1.0 / np.maximum(divisor.reshape(_THETAS, 1, -1), _TRIED[:, None])).astype(np.float32)
-        return np.moveaxis(divided @ found.reshape(_THETAS, -1, _AZIMUTHS), 1, 0)
+        least = np.interp(np.arcsin(inside), thetas, divisor)
+        divided = (1.0 / np.maximum(least.reshape(len(thetas), 1, -1), _TRIED[:, None])).astype(np.float32)
+        return np.moveaxis(divided @ found.reshape(len(thetas), -1, _AZIMUTHS), 1, 0)

@@ -25,9 +25,17 @@ distributions in equal steps of probability:
     angle    step l = floor(n_phi * xi_2):  turn between two edges t_0, t_1 with half of the probability on
              either side of t_m, by  turn = t_0 + (t_1 - t_0) x / (x + c (1 - x)),  c = (t_1 - t_m) / (t_m - t_0)
 
-A surface stretched by s and deepened by q takes the same densities in scaled coordinates: for s <= 1 a direction is
-drawn for the viewer whose ``wr_xy`` is s times as long, and (u, v) = (u', v') / s. All that a viewer can receive is
-drawn; what falls beyond the horizon is nothing.
+A surface stretched by s takes the same densities in scaled coordinates: for s <= 1 a direction is drawn for the viewer
+whose ``wr_xy`` is s times as long, and (u, v) = (u', v') / s. All that a viewer can receive is drawn; what falls beyond
+the horizon is nothing. Most of that is left out beforehand: in scaled coordinates the horizon lies at no more than
+
+    smoothstep(s) = s^2 (3 - 2 s) = k (1 + sin_r) / (1 + k sin_r)     (k the scale)
+
+and ``CUTS`` texels a view say which part of the probability lies within j / (CUTS - 1) of s.
+
+Which orders are strong is up to the depth: there is a set of views for each of `DEPTHS`, of which a deepened surface
+takes the nearest. A stretched one sends the same order out more slantingly, with a smaller |w|, as a shallower one
+would: `depth_set`.
 
 The image holds the rows of the views from the bottom, and above them the albedos of scaled surfaces
 (`scaled_albedo`), which renderers look up only where a surface is painted.
@@ -36,6 +44,7 @@ The image holds the rows of the views from the bottom, and above them the albedo
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -56,28 +65,45 @@ N_VIEWS, N_R, N_ROWS, N_PHI = 14, 256, 36, 36
 #: horizon moves faster than the view does.
 VIEW_END = 2.4
 
-#: Azimuths at polar angle i: this many times i, at most the other; one where i = 0.
-AZIMUTHS_STEP, AZIMUTHS_MAX = 8, 32
+#: Azimuths at polar angle i: this many times i, at most the second; one where i = 0. At most the third in the sets for
+#: other depths.
+AZIMUTHS_STEP, AZIMUTHS_MAX, AZIMUTHS_SETS = 8, 32, 16
 
 
-def azimuths(i: int) -> int:
-    """Views at polar angle ``i``."""
-    return min(max(AZIMUTHS_STEP * i, 1), AZIMUTHS_MAX)
+def azimuths(i: int, chosen: int = 0) -> int:
+    """Views at polar angle ``i`` of a set."""
+    return min(max(AZIMUTHS_STEP * i, 1), AZIMUTHS_SETS if chosen else AZIMUTHS_MAX)
 
 
-#: Index of the first view of each polar angle, and of all views.
-FIRST_VIEW = tuple(sum(azimuths(k) for k in range(i)) for i in range(N_VIEWS + 1))
+def first_view(i: int, chosen: int = 0) -> int:
+    """Index of the first view of polar angle ``i`` of a set."""
+    start = FIRST_VIEWS + (chosen - 1) * SET_VIEWS if chosen else 0
+    return start + sum(azimuths(k, chosen) for k in range(i))
+
+
+#: Depths that have a set of views each, in even steps from that of the table down, and the number of views in the
+#: first set and in another.
+DEPTHS = (1.0, 0.75, 0.5, 0.25)
+FIRST_VIEWS, SET_VIEWS = (sum(azimuths(i, chosen) for i in range(N_VIEWS)) for chosen in (0, 1))
+
+#: cos_i of the direction by which the depth of a stretched surface is judged.
+SET_COSINE = 0.75
+
+#: Texels of a view that say how much of the probability lies within a part of s, see above.
+CUTS = 33
 
 #: Size of the image: a row a view, the albedos of scaled surfaces, and a guard above as the atlas has one
 #: (`layout.GUARD`).
-VIEWS = FIRST_VIEW[-1]
-WIDTH, HEIGHT = N_R + N_ROWS * N_PHI, VIEWS + scaled_albedo.HEIGHT + GUARD_SIDE
+VIEWS = FIRST_VIEWS + SET_VIEWS * (len(DEPTHS) - 1)
+WIDTH, HEIGHT = N_R + N_ROWS * N_PHI + CUTS, VIEWS + scaled_albedo.HEIGHT + GUARD_SIDE
 
 #: Texel of the guard.
 GUARD_X, GUARD_Y = GUARD_SIDE // 2, HEIGHT - GUARD_SIDE + GUARD_SIDE // 2
 
 #: Version of the file, with all that its reader takes for granted; an image of another one is made anew.
-VERSION = f"4 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {N_R} {N_ROWS} {N_PHI}"
+VERSION = (
+    f"5 {N_VIEWS} {VIEW_END} {AZIMUTHS_STEP} {AZIMUTHS_MAX} {AZIMUTHS_SETS} {N_R} {N_ROWS} {N_PHI} {len(DEPTHS)} {CUTS}"
+)
 
 #: Shares of X, Y and Z in a density: the luminance and a little more; that alone would leave the blue orders to chance.
 _XYZ_SHARES = np.array((0.07, 0.86, 0.07), np.float32)
@@ -89,8 +115,8 @@ _EVEN = 0.01
 #: the bright flanks of both.
 _ANGLE_FLOOR = 0.04
 
-#: Cells of the quadrature of a view.
-_CELLS, _SECTORS = 160, 288
+#: Cells of the quadrature of a view: in s, in phi; and of one of a set for another depth.
+_FINE, _COARSE = (160, 288), (96, 144)
 
 #: s where the rows of angles turn from even steps of log s to even steps of s.
 _ROW_S = 0.05
@@ -118,9 +144,9 @@ class Importance:
     albedos: np.ndarray
 
     def draw_scaled(
-        self, wr: np.ndarray, xi_1: np.ndarray, xi_2: np.ndarray, scale: float
+        self, wr: np.ndarray, xi_1: np.ndarray, xi_2: np.ndarray, scale: float, depth: float = 1.0
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Draw directions of light on a surface stretched by `scale`, as the shader does.
+        """Draw directions of light on a surface stretched by `scale` and deepened by `depth`, as the shader does.
 
         Returns
         -------
@@ -130,17 +156,29 @@ class Importance:
             ``(n,)`` 1 / density per solid angle, 0 for those.
         """
         s = min(scale, 1.0)
+        chosen = depth_set(float(wr[2]), s, depth)
         if s == 1.0:
-            return self.draw(wr, xi_1, xi_2)
+            return self.draw(wr, xi_1, xi_2, chosen)
         viewer = np.array([s * wr[0], s * wr[1], np.sqrt(max(1.0 - s * s * (wr[0] ** 2 + wr[1] ** 2), 0.0))])
-        wi, gain = self.draw(viewer, xi_1, xi_2)
+        view = _nearest_view(float(viewer[0]), float(viewer[1]), float(viewer[2]), chosen)[1]
+        within = float(self.cuts()[view, cut(float(wr[2]), s)])
+        wi, gain = self.draw(viewer, np.minimum(xi_1 * within, 0.9999999), xi_2, chosen)
         place = (wi[:, :2] + viewer[:2]) / s - wr[:2]
         rest = 1.0 - (place**2).sum(-1)
         cos_i = np.sqrt(np.maximum(rest, 1e-12))
-        gain = np.where(rest > 0.0, gain * wi[:, 2] / (s * s * cos_i), 0.0)
+        gain = np.where(rest > 0.0, gain * wi[:, 2] * (within / (s * s)) / cos_i, 0.0)
         return np.concatenate([place, cos_i[:, None]], -1), gain
 
-    def draw(self, wr: np.ndarray, xi_1: np.ndarray, xi_2: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def cuts(self) -> np.ndarray:
+        """``(VIEWS, CUTS)`` probability of what lies within j / (CUTS - 1) of s."""
+        places = np.linspace(0.0, 1.0, CUTS) ** 2
+        probability = np.linspace(0.0, 1.0, N_R + 1)
+        edges = np.concatenate([self.radius[:, :, 0], np.ones((VIEWS, 1))], 1)
+        return np.stack([np.interp(places, each, probability) for each in edges]).astype(np.float32)
+
+    def draw(
+        self, wr: np.ndarray, xi_1: np.ndarray, xi_2: np.ndarray, chosen: int = 0
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Draw directions of light, as the shader does.
 
         Parameters
@@ -149,6 +187,8 @@ class Importance:
             ``(3,)`` direction of the viewer, above the surface.
         xi_1, xi_2
             ``(n,)`` random numbers in [0, 1).
+        chosen
+            Set of views, see `depth_set`.
 
         Returns
         -------
@@ -158,7 +198,7 @@ class Importance:
             ``(n,)`` 1 / density per solid angle: f cos times it is the weight of a sample.
         """
         x_r, y_r, cos_r = (float(value) for value in wr)
-        i, view = _nearest_view(x_r, y_r, cos_r)
+        i, view = _nearest_view(x_r, y_r, cos_r, chosen)
         n_r, n_phi = N_R, N_PHI
         k, column = (xi_1 * n_r).astype(int), (xi_2 * n_phi).astype(int)
         e_0, e_1 = np.moveaxis(self.radius[view, k].astype(float), -1, 0)
@@ -177,13 +217,14 @@ class Importance:
         """``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: a row a view.
 
         First the steps of the radius (two edges and the row of angles), then the rows of angles one after another
-        (two edges and the median). The albedos of scaled surfaces lie above all views, from the left, the guard
-        above them.
+        (two edges and the median), then the cuts. The albedos of scaled surfaces lie above all views, from the left,
+        the guard above them.
         """
         image = np.zeros((HEIGHT, WIDTH, 3), np.float32)
         image[:VIEWS, :N_R, :2] = self.radius
         image[:VIEWS, :N_R, 2] = self.row
-        image[:VIEWS, N_R:] = self.turn.reshape(VIEWS, N_ROWS * N_PHI, 3)
+        image[:VIEWS, N_R:-CUTS] = self.turn.reshape(VIEWS, N_ROWS * N_PHI, 3)
+        image[:VIEWS, -CUTS:] = self.cuts()[:, :, None]
         image[VIEWS : VIEWS + scaled_albedo.HEIGHT, : scaled_albedo.WIDTH] = self.albedos
         image[GUARD_Y, GUARD_X] = GUARD
         return image
@@ -197,18 +238,61 @@ def importance(table: SpectralTable) -> Importance:
     table
         The spectral table.
     """
-    tiles = _sector_tiles(table)
+    albedos = scaled_albedo.scaled_albedos(table)
+    tiles = {sectors: _sector_tiles(table, sectors) for _, sectors in (_FINE, _COARSE)}
+    losses = [_losses(table, albedos, depth) for depth in DEPTHS]
     radius = np.empty((VIEWS, N_R, 2), np.float32)
     row = np.empty((VIEWS, N_R), int)
     turn = np.empty((VIEWS, N_ROWS, N_PHI, 3), np.float32)
 
-    def fill(i: int) -> None:
-        for view, mass in enumerate(_masses(table, tiles, i), FIRST_VIEW[i]):
-            radius[view], row[view], turn[view] = _invert(mass)
+    def fill(which: tuple[int, int]) -> None:
+        chosen, i = which
+        cells, sectors = _COARSE if chosen else _FINE
+        edges = _cell_edges(cells)
+        masses = _masses(table, tiles[sectors], edges, i, chosen, losses[chosen])
+        for view, mass in enumerate(masses, first_view(i, chosen)):
+            radius[view], row[view], turn[view] = _invert(mass, edges)
 
     with ThreadPoolExecutor(min(os.cpu_count() or 1, N_VIEWS)) as pool:
-        list(pool.map(fill, range(N_VIEWS)))
-    return Importance(radius, row, turn, scaled_albedo.scaled_albedos(table))
+        list(pool.map(fill, [(chosen, i) for chosen in range(len(DEPTHS)) for i in range(N_VIEWS)]))
+    return Importance(radius, row, turn, albedos)
+
+
+def depth_set(cos_r: float, scale: float, depth: float) -> int:
+    """Which set of views a surface takes that is stretched by `scale`, at most 1, and deepened by `depth`.
+
+    In scaled coordinates a stretched surface has the |w| of less slanting directions: its depth counts as much less as
+    |w| is smaller, for the viewer and light at `SET_COSINE`.
+    """
+    sines = 1.0 - np.square((cos_r, SET_COSINE))
+    judged = depth * (cos_r + SET_COSINE) / np.sqrt(1.0 - scale**2 * sines).sum()
+    last = len(DEPTHS) - 1
+    return int(np.clip(np.floor((1.0 - judged) / (DEPTHS[0] - DEPTHS[1]) + 0.5), 0, last))
+
+
+def cut(cos_r: float, scale: float) -> int:
+    """Which of the ``CUTS`` holds the horizon of a surface stretched by `scale` below 1."""
+    sine = np.sqrt(max(1.0 - cos_r**2, 0.0))
+    ratio = scale * (1.0 + sine) / (1.0 + scale * sine)
+    s = 0.5 - np.sin(np.arcsin(1.0 - 2.0 * ratio) / 3.0)  # the inverse of smoothstep
+    return int(min(np.ceil(s * (CUTS - 1)), CUTS - 1))
+
+
+def _losses(table: SpectralTable, albedos: np.ndarray, depth: float) -> np.ndarray:
+    """``(n_albedo_phi, n_theta)`` what f is divided by to conserve energy, at a depth."""
+    layout = table.layout
+    if depth == 1.0:
+        first = layout.conserving_y + 1
+        return np.maximum(table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0].astype(np.float32), 1.0)
+    phi = (np.arange(layout.n_albedo_phi) * (2.0 * np.pi / layout.n_albedo_phi))[:, None]
+    theta = np.arange(layout.n_theta) * (0.5 * np.pi / (layout.n_theta - 1))
+    shape = (len(phi), len(theta))
+    parts = (np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.broadcast_to(np.cos(theta), shape))
+    most_s, most_q = table.headroom
+    found = scaled_albedo.look_up(
+        albedos, np.stack(parts, -1), np.full(shape, 1.0 / most_s), np.full(shape, depth / most_q)
+    )
+    return np.maximum(found, 1.0).astype(np.float32)
 
 
 def albedo_free_cosine(table: SpectralTable) -> float:
@@ -225,12 +309,12 @@ def albedo_free_cosine(table: SpectralTable) -> float:
     return 2.0 if column < 0 else float(np.cos(column * (0.5 * np.pi / (layout.n_theta - 1))))
 
 
-def _nearest_view(x_r: float, y_r: float, cos_r: float) -> tuple[int, int]:
-    """Index of the polar angle, and of the view."""
+def _nearest_view(x_r: float, y_r: float, cos_r: float, chosen: int) -> tuple[int, int]:
+    """Index of the polar angle, and of the view of a set."""
     sin_r = np.hypot(x_r, y_r)
     i = min(int(np.log((1.0 + sin_r) / cos_r) * (N_VIEWS / VIEW_END) + 0.5), N_VIEWS - 1)
-    j = int(np.floor(np.arctan2(y_r, x_r) / (2.0 * np.pi) * azimuths(i) + 0.5)) % azimuths(i)
-    return i, FIRST_VIEW[i] + j
+    count = azimuths(i, chosen)
+    return i, first_view(i, chosen) + int(np.floor(np.arctan2(y_r, x_r) / (2.0 * np.pi) * count + 0.5)) % count
 
 
 def _peak_slope(i: int) -> float:
@@ -252,67 +336,67 @@ def _from_s(s: np.ndarray, b: np.ndarray, cos_r: float, slope: float) -> tuple[n
     return r, (1.0 - s) * rest, per_s * 1.5 * (a * (1.0 - 3.0 * s) + 2.0 * reach * s) / rest
 
 
-def _sector_tiles(table: SpectralTable) -> np.ndarray:
+def _sector_tiles(table: SpectralTable, sectors: int) -> np.ndarray:
     """``(n_w, sectors, n_r)`` texels weighted by `_XYZ_SHARES`, as means over even sectors that begin at phi = 0."""
     layout = table.layout
-    edges = np.arange(_SECTORS + 1) * (layout.n_phi / _SECTORS) + 0.5  # a texel's angle is the middle of its row
+    edges = np.arange(sectors + 1) * (layout.n_phi / sectors) + 0.5  # a texel's angle is the middle of its row
     whole = edges.astype(int)
     part = (edges - whole)[:, None]
-    tiles = np.empty((layout.n_w, _SECTORS, layout.n_r), np.float32)
+    tiles = np.empty((layout.n_w, sectors, layout.n_r), np.float32)
     for index in range(layout.n_w):
         x, y = layout.tile_origin(index)
         tile = table.atlas[y + 1 : y + 1 + layout.n_phi, x : x + layout.n_r].astype(np.float32) @ _XYZ_SHARES
         tile = np.maximum(tile, 0.0).astype(float)
         cumulative = np.concatenate([np.zeros((1, layout.n_r)), np.cumsum(np.concatenate([tile, tile[:1]]), axis=0)])
         at = cumulative[whole] + part * tile[whole % layout.n_phi]
-        tiles[index] = np.diff(at, axis=0) * (_SECTORS / layout.n_phi)
+        tiles[index] = np.diff(at, axis=0) * (sectors / layout.n_phi)
     return tiles
 
 
-def _cell_edges() -> np.ndarray:
+def _cell_edges(cells: int) -> np.ndarray:
     """Edges of the quadrature in s: finer towards the specular peak."""
-    h = np.linspace(0.0, 1.0, _CELLS + 1)
+    h = np.linspace(0.0, 1.0, cells + 1)
     return h * (0.3 + 0.7 * h)
 
 
-def _masses(table: SpectralTable, tiles: np.ndarray, i: int):
-    """``(sectors, cells)`` integrals of f cos over cells of (s, phi), for the azimuths of view ``i``.
+def _masses(
+    table: SpectralTable, tiles: np.ndarray, edges: np.ndarray, i: int, chosen: int, albedo: np.ndarray
+) -> Iterator[np.ndarray]:
+    """``(sectors, cells)`` integrals of f cos over cells of (s, phi) at a set's depth, for the azimuths of view ``i``.
 
     All geometry depends on phi - phi_r, so that one set of places serves all azimuths.
     """
     layout: TableLayout = table.layout
     sin_r = np.tanh(i * (VIEW_END / N_VIEWS))
     cos_r = np.sqrt(1.0 - sin_r**2)
-    edges = _cell_edges()
+    sectors, depth, count = tiles.shape[1], DEPTHS[chosen], azimuths(i, chosen)
     s = 0.5 * (edges[1:] + edges[:-1])[None]
-    turn = ((np.arange(_SECTORS) + 0.5) * (2.0 * np.pi / _SECTORS))[:, None]
+    turn = ((np.arange(sectors) + 0.5) * (2.0 * np.pi / sectors))[:, None]
     r, cos_i, solid_angle = _from_s(s, sin_r * np.cos(turn), cos_r, _peak_slope(i))
-    cell = solid_angle * np.diff(edges**2) * (2.0 * np.pi / _SECTORS)
+    cell = solid_angle * np.diff(edges**2) * (2.0 * np.pi / sectors)
     w = cos_i + cos_r
     # 1 + wi.wr = |wi + wr|^2 / 2, with wi + wr = -(u, v, w).
-    gain = ((r**2 + w**2) / 2.0) ** 2 / (cos_r * w**2) * (layout.scale * w**layout.power) * cell
+    gain = ((r**2 + w**2) / 2.0) ** 2 / (cos_r * w**2) * (layout.scale * (depth * w) ** layout.power) * cell
 
-    position, column = layout.slice_coordinate(w), layout.column(r)
+    position, column = layout.slice_coordinate(depth * w), layout.column(r)
     lower, left = np.minimum(position.astype(int), layout.n_w - 2), np.minimum(column.astype(int), layout.n_r - 2)
     up, right = (position - lower).astype(np.float32), (column - left).astype(np.float32)
-    stride = _SECTORS * layout.n_r
+    stride = sectors * layout.n_r
     place = lower * stride + left
     flat = tiles.reshape(-1)
 
-    first = layout.conserving_y + 1
-    albedo = np.maximum(table.atlas[first : first + layout.n_albedo_phi, : layout.n_theta, 0].astype(np.float32), 1.0)
     polar = np.rint(np.arccos(np.minimum(cos_i, 1.0)) * ((layout.n_theta - 1) / (0.5 * np.pi))).astype(int)
     # Azimuth of wi relative to the viewer's, in rows of the albedo.
     around = np.arctan2(-r * np.sin(turn), -r * np.cos(turn) - sin_r) * (layout.n_albedo_phi / (2.0 * np.pi))
     viewer = round(np.arccos(cos_r) * ((layout.n_theta - 1) / (0.5 * np.pi)))
 
-    for j in range(azimuths(i)):
-        shift = j * _SECTORS // azimuths(i)
-        sector = (np.arange(_SECTORS) + shift) % _SECTORS
+    for j in range(count):
+        shift = j * sectors // count
+        sector = (np.arange(sectors) + shift) % sectors
         at = place + (sector * layout.n_r)[:, None]
         below = flat[at] * (1.0 - right) + flat[at + 1] * right
         above = flat[at + stride] * (1.0 - right) + flat[at + stride + 1] * right
-        turn_rows = j * layout.n_albedo_phi / azimuths(i)
+        turn_rows = j * layout.n_albedo_phi / count
         losses = albedo[np.rint(around + turn_rows).astype(int) % layout.n_albedo_phi, polar]
         losses = np.maximum(losses, albedo[round(turn_rows) % layout.n_albedo_phi, viewer])
         mass = (below * (1.0 - up) + above * up) * gain / losses
@@ -320,9 +404,9 @@ def _masses(table: SpectralTable, tiles: np.ndarray, i: int):
         yield np.roll(mass, shift, axis=0)
 
 
-def _invert(mass: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _invert(mass: np.ndarray, cell_edges: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Steps of the radius, their rows of angles, and the steps of the angle in each row."""
-    squared = _cell_edges() ** 2
+    squared = cell_edges**2
     total = np.concatenate([[0.0], np.cumsum(mass.sum(axis=0))])
     probability = np.linspace(0.0, 1.0, N_R + 1)
     edges = np.interp(probability * total[-1], total, squared)

@@ -10,7 +10,8 @@ It is summed on coarse rings and sectors, relative to the surface as baked, and 
 What renderers look up is a row of tiles over (theta, phi), one a scale, ``STEPS`` to an octave; the three channels hold
 three depths. Between scales it is linear in log s, between depths quadratic in q. Lines of order that pass the horizon
 between two scales would be missed: a tile holds at least what the scales halfway to its neighbours need, so that no
-light is made, and some is lost within a few degrees of such a line.
+light is made, and some is lost within a few degrees of such a line. What single wavelengths need beyond X, Y and Z is
+in the table's sidecar (`scaled_bound`).
 """
 
 from __future__ import annotations
@@ -21,14 +22,18 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from . import scaled_bound
 from .albedo import DARK_WHITE
 from .table import SpectralTable
 
 #: Tiles, and how many of them halve the scale; the first is the largest scale (1, or the table's headroom).
-N_SCALES, STEPS = 13, 4
+N_SCALES, STEPS = 25, 8
 
 #: The depths of the three channels over the largest depth.
-DEPTHS = (1.0, 0.6, 0.1)
+DEPTHS = (1.0, 0.6, 0.2)
+
+#: Bounds of single wavelengths up to here are as good as 1: so far the sums over few angles err.
+BOUND_SLACK = 1.01
 
 #: Size of a tile without its guard rows; tables have the same by default.
 N_THETA, N_PHI = 46, 36
@@ -36,11 +41,8 @@ N_THETA, N_PHI = 46, 36
 #: Size of all tiles together.
 WIDTH, HEIGHT = N_SCALES * N_THETA, N_PHI + 2
 
-#: Polar angles, azimuths and sectors of the coarse sums, and the width of rings over their radius.
-_THETAS, _AZIMUTHS, _SECTORS, _RING = 16, 12, 48, 0.05
-
-#: The last polar angle (radians).
-_THETA_LAST = np.radians(88.0)
+#: Polar angles (radians), azimuths and sectors of the coarse sums, and the width of rings over their radius.
+_THETAS, _AZIMUTHS, _SECTORS, _RING = scaled_bound.THETAS, scaled_bound.N_AZIMUTHS, 48, 0.05
 
 
 def place(scale: np.ndarray | float, depth: np.ndarray | float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -109,26 +111,45 @@ def scaled_albedos(table: SpectralTable) -> np.ndarray:
     ndarray
         ``(HEIGHT, WIDTH, 3)`` float32, row 0 at the bottom: tiles side by side, each with a guard row below and above.
     """
-    sums = _Sums(table)
     most_s, most_q = table.headroom
-    scales = most_s * 2.0 ** (np.arange(2 * N_SCALES - 1) / (-2.0 * STEPS))
-    pairs = [(s, most_q * q) for s in scales for q in DEPTHS]
-    with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
-        found = np.stack(list(pool.map(lambda pair: sums.albedo(*pair), pairs)))
-    own = sums.albedo(1.0, 1.0)
-    ratios = (found / np.maximum(own, 1e-6)).reshape(len(scales), len(DEPTHS), *own.shape)
-    nodes = ratios[::2].copy()
-    nodes[:-1] = np.maximum(nodes[:-1], ratios[1::2])
-    nodes[1:] = np.maximum(nodes[1:], ratios[1::2])
-    if table.headroom == (1.0, 1.0):
-        nodes[0, 0] = 1.0  # of the surface as baked the albedo is known
+    scales = 2.0 ** (np.arange(2 * N_SCALES - 1) / (-2.0 * STEPS))
+    ratios = albedo_ratios(table, [(most_s * s, most_q * q) for s in scales for q in DEPTHS])
+    ratios = ratios.reshape(len(scales), len(DEPTHS), *ratios.shape[1:])
     albedo, conserving = (_on_grid(each) for each in (table.albedo, table.conserving_albedo))
-    # What single wavelengths need beyond X, Y and Z grows with the depth; beyond that it is taken as that of the table.
-    excess = conserving / np.maximum(albedo, 1e-6) - 1.0
-    depths = [albedo * (1.0 + excess * min(q * most_q, 1.0)) for q in DEPTHS]
-    tiles = np.stack([[_on_tile(each) * own for each, own in zip(node, depths, strict=True)] for node in nodes])
+    needed = np.stack([[_on_tile(each) * albedo for each in node] for node in ratios])  # (scale, depth, phi, theta)
+    bound = scaled_bound.unpack(table.info)
+    if bound is None:
+        # Baked before it was kept: it is taken as that of the table, growing with the depth.
+        excess = conserving / np.maximum(albedo, 1e-6) - 1.0
+        needed *= (1.0 + excess * np.minimum(np.multiply(DEPTHS, most_q), 1.0)[:, None, None])[None]
+    else:
+        for node, scale in zip(needed, scales, strict=True):
+            for own, least in zip(node, scaled_bound.between(bound, scale), strict=False):
+                least = _on_tile(least, np.maximum)
+                own[:] = np.where(least > BOUND_SLACK, np.maximum(own, least), own)
+    if table.headroom == (1.0, 1.0):
+        needed[0, 0] = conserving  # of the surface as baked it is known
+    tiles = needed[::2].copy()
+    tiles[:-1] = np.maximum(tiles[:-1], needed[1::2])
+    tiles[1:] = np.maximum(tiles[1:], needed[1::2])
     tiles = np.concatenate([tiles[:, :, -1:], tiles, tiles[:, :, :1]], axis=2)
     return np.ascontiguousarray(tiles.transpose(2, 0, 3, 1).reshape(HEIGHT, WIDTH, 3).astype(np.float32))
+
+
+def albedo_ratios(table: SpectralTable, pairs: list[tuple[float, float]]) -> np.ndarray:
+    """``(pairs, thetas, azimuths)`` albedos of a table at scales and depths over that at 1, on the bounds' angles.
+
+    Parameters
+    ----------
+    table
+        The spectral table.
+    pairs
+        Scales and depths.
+    """
+    sums = _Sums(table)
+    with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
+        found = np.stack(list(pool.map(lambda pair: sums.albedo(*pair), pairs)))
+    return found / np.maximum(sums.albedo(1.0, 1.0), 1e-6)
 
 
 def _on_grid(albedo: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -140,19 +161,14 @@ def _on_grid(albedo: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
     return albedo(np.stack(parts, -1))
 
 
-def _on_tile(values: np.ndarray) -> np.ndarray:
-    """``(N_PHI, N_THETA)`` from ``(thetas, azimuths)``, linear between them."""
+def _on_tile(values: np.ndarray, around: np.ufunc | None = None) -> np.ndarray:
+    """``(N_PHI, N_THETA)`` from ``(thetas, azimuths)``, linear between them, or what `around` makes of two azimuths."""
     tile_theta = np.arange(N_THETA) * (0.5 * np.pi / (N_THETA - 1))
     at = np.arange(N_PHI) * (_AZIMUTHS / N_PHI)
-    lower = np.floor(at).astype(int)
-    part = at - lower
-    around = values[:, lower % _AZIMUTHS] * (1.0 - part) + values[:, (lower + 1) % _AZIMUTHS] * part
-    return np.stack([np.interp(tile_theta, _thetas(), column) for column in around.T])
-
-
-def _thetas() -> np.ndarray:
-    """Polar angles of the coarse sums: closer to each other towards the horizon."""
-    return _THETA_LAST * np.sin(np.linspace(0.0, 0.5 * np.pi, _THETAS))
+    lower, upper = np.floor(at + 1e-9).astype(int), np.ceil(at - 1e-9).astype(int)
+    low, high, part = values[:, lower % _AZIMUTHS], values[:, upper % _AZIMUTHS], at - lower
+    turned = low * (1.0 - part) + high * part if around is None else around(low, high)
+    return np.stack([np.interp(tile_theta, _THETAS, column) for column in turned.T])
 
 
 class _Sums:
@@ -198,7 +214,7 @@ class _Sums:
 
     def albedo(self, scale: float, depth: float) -> np.ndarray:
         """``(thetas, azimuths)`` the largest of X, Y and Z relative to white of the surface so scaled."""
-        layout, thetas = self._layout, _thetas()
+        layout, thetas = self._layout, _THETAS
         n = layout.index
         r = (self._r / scale)[:, None]
         half_extent = 0.5 * np.hypot(self._width[:, None] / scale, r * self._delta)

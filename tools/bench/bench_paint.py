@@ -7,7 +7,8 @@ A sphere under one sun and a sky, the material's environment at 1. In turn, for 
 sockets at 1, the same with Scale and Depth taken out of the shader (OSL alone), the same under a paint (one image for
 four sockets), and a Principled BSDF without and with that image on four of its sockets. User time of the processor, the
 difference of two renders with many and few samples; medians of the rounds. Noise: the relative spread of the pixels of
-a plane in a sky that is brighter to one side, over that at Scale and Depth 1. Merged into out/bench.json under "paint".
+a plane in a sky that is brighter to one side, over that at Scale and Depth 1. And how long each recipe takes for
+1,024 x 1,024. Merged into out/bench.json under "paint".
 """
 
 import argparse
@@ -15,6 +16,7 @@ import os
 import resource
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +28,20 @@ from tools.bench import bench_cycles  # noqa: E402
 
 #: Scale and Depth at which noise is measured.
 PAIRS = ((1.0, 1.0), (0.9, 0.9), (0.8, 1.0), (1.0, 0.8), (0.7, 0.7), (0.5, 0.5), (1.0, 0.3))
+
+
+def recipe_seconds():
+    """Seconds that each recipe takes for 1,024 x 1,024, wall time; pictures are colours of all hues."""
+    from precompute.paint import RECIPES, make_paint
+
+    hue = np.linspace(0.0, 6.0, 512)
+    rgb = np.clip(np.abs(hue[:, None] - np.array([3.0, 2.0, 4.0])) * np.array([1, -1, -1]) + [-1, 2, 2], 0, 1)
+    picture, found = np.repeat(rgb[None], 512, 0), {}
+    for name, recipe in RECIPES.items():
+        start = time.perf_counter()
+        make_paint(name, 1.6e-6, 1024, pictures=[picture] * recipe.pictures)
+        found[name] = time.perf_counter() - start
+    return found
 
 
 def user_seconds(samples):
@@ -170,6 +186,10 @@ def main():
     from diffraction_shader.precompute.presets import make_preset
 
     numbers = {"samples": arguments.samples, "rounds": arguments.rounds, "costs": {}, "noise": {}}
+    numbers["recipes"] = recipe_seconds()
+    print(
+        "seconds for 1,024 x 1,024:", {name: round(value, 2) for name, value in numbers["recipes"].items()}, flush=True
+    )
     with tempfile.TemporaryDirectory() as folder:
         for number, name in enumerate(arguments.structures):
             bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -109,9 +109,16 @@ def aimed() -> bpy.types.NodeTree:
 
 
 def _narrow_width(graph: Graph, given: Any, lamp: Seen) -> Socket:
-    """Half-angle of a narrow lobe: by the lamp's radius, and less than light of a spread changes within."""
+    """Half-angle of a narrow lobe: by the lamp's radius, of a thin one by its width, and less than light of a spread
+    changes within."""
     half = graph.product(graph.math("MINIMUM", given["Size"], 3.1), 0.5)
-    by_spread = graph.choose(lamp.is_area, NARROW_MAX, graph.product(graph.math("TANGENT", half), 0.035))
+    side = graph.math("MINIMUM", *(graph.scalar("LENGTH", each) for each in (lamp.u, lamp.v)))
+    of_area = graph.math(
+        "MINIMUM",
+        graph.product(graph.math("TANGENT", half), 0.035),
+        graph.quotient(graph.product(side, 0.1), lamp.distance),
+    )
+    by_spread = graph.choose(lamp.is_area, NARROW_MAX, of_area)
     width = graph.math("MINIMUM", graph.product(lamp.radius, 0.3), graph.math("MINIMUM", by_spread, NARROW_MAX))
     return graph.math("MAXIMUM", width, NARROW_MIN)
 
@@ -156,54 +163,48 @@ def _far(
     # The distance of the lamp's plane times |u x v|.
     height = graph.math("ABSOLUTE", graph.scalar("DOT_PRODUCT", normal, middle))
 
-    # What lobes keep clear of the edge by, as seen from here. Lamps thinner than that are missed in part.
-    square = graph.scalar("DOT_PRODUCT", middle, middle)
-    edge = graph.product(inset, graph.quotient(graph.product(square, area), graph.math("MAXIMUM", height, 1e-12)))
-    low, high, size, covered, rooms = [], [], [], [], []
-    drawn: list[Any] = []
-    anywhere: list[Any] = []
+    # What its spread leaves is a square about the foot, wider by the lobe. All of this folds without spread.
+    half = graph.math("TANGENT", graph.math("MINIMUM", graph.fused(given["Size"], 0.5, margin), 1.57))
+    reach = graph.quotient(graph.product(height, half), area)
+    low, high, size, lengths, even = [], [], [], [], []
     for axis, random in ((u, x), (v, y)):
         length2 = graph.scalar("DOT_PRODUCT", axis, axis)
-        each = graph.quotient(edge, graph.math("SQRT", length2))
-        room = graph.math("MAXIMUM", graph.difference(1.0, each), 0.0)
-        thin = graph.quotient(1.0, graph.math("MAXIMUM", graph.product(each, lamp.is_area), 1.0))
-        thin2 = graph.product(thin, thin)
-        covered.append(graph.product(thin, graph.fused(thin2, 1.0 - 4.0 / math.pi, 4.0 / math.pi)))
-        # What its spread leaves is a square about the foot, wider by the lobe. All of this folds without spread.
-        half = graph.math("TANGENT", graph.math("MINIMUM", graph.fused(given["Size"], 0.5, margin), 1.57))
-        reach = graph.quotient(graph.quotient(graph.product(height, half), area), graph.math("SQRT", length2))
+        length = graph.math("SQRT", length2)
         foot = graph.quotient(graph.product(graph.scalar("DOT_PRODUCT", middle, axis), -1.0), length2)
-        bounds = []
-        for sign, clip in (("SUBTRACT", "MAXIMUM"), ("ADD", "MINIMUM")):
-            end = -1.0 if sign == "SUBTRACT" else 1.0
-            bound = graph.math(sign, foot, reach)
-            bounds.append(graph.choose(has_spread, end, graph.math(clip, bound, end)))
-            limit = graph.product(room, end)
-            clipped = graph.math(clip, bound, limit)
-            bounds.append(graph.choose(has_spread, limit, clipped))
-        low.append(bounds[0])
-        high.append(bounds[2])
-        size.append(graph.math("MAXIMUM", graph.difference(bounds[2], bounds[0]), 0.0))
-        drawn.append(graph.fused(graph.difference(bounds[3], bounds[1]), random, bounds[1]))
-        anywhere.append(graph.fused(graph.difference(bounds[2], bounds[0]), random, bounds[0]))
-        rooms.append(room)
+        about = graph.quotient(reach, length)
+        low.append(graph.choose(has_spread, -1.0, graph.math("MAXIMUM", graph.difference(foot, about), -1.0)))
+        high.append(graph.choose(has_spread, 1.0, graph.math("MINIMUM", graph.sum(foot, about), 1.0)))
+        size.append(graph.math("MAXIMUM", graph.difference(high[-1], low[-1]), 0.0))
+        lengths.append(length)
+        even.append(graph.fused(graph.difference(high[-1], low[-1]), random, low[-1]))
     # On a disc, evenly; with spread what is drawn outside of it counts nothing.
-    is_disc = graph.product(graph.difference(1.0, lamp.is_rectangle), graph.difference(1.0, has_spread))
-    least_room = graph.math("MINIMUM", *rooms)
-    root, turn = graph.product(graph.math("SQRT", x), least_room), graph.product(y, 2.0 * math.pi)
+    is_round = graph.difference(1.0, lamp.is_rectangle)
+    is_disc = graph.product(is_round, graph.difference(1.0, has_spread))
+    root, turn = graph.math("SQRT", x), graph.product(y, 2.0 * math.pi)
     disc = [graph.product(root, graph.math(name, turn)) for name in ("COSINE", "SINE")]
-    is_clipped_disc = graph.product(graph.difference(1.0, lamp.is_rectangle), has_spread)
-    square = graph.fused(anywhere[0], anywhere[0], graph.product(anywhere[1], anywhere[1]))
-    counts = graph.difference(1.0, graph.product(is_clipped_disc, graph.math("GREATER_THAN", square, 1.0)))
-    inwards = graph.math("MINIMUM", graph.quotient(least_room, graph.math("SQRT", square)), 1.0)
-    anywhere = [graph.product(each, inwards) for each in anywhere]
-    at = [
-        graph.choose(is_disc, graph.choose(is_clipped_disc, s, a), d)
-        for s, a, d in zip(drawn, anywhere, disc, strict=True)
-    ]
+    at = [graph.choose(is_disc, e, d) for e, d in zip(even, disc, strict=True)]
+    beyond = graph.math("GREATER_THAN", graph.fused(at[0], at[0], graph.product(at[1], at[1])), 1.0)
+    counts = graph.difference(1.0, graph.product(is_round, has_spread, beyond))
     to = graph.vector("MULTIPLY_ADD", v, at[1], graph.vector("MULTIPLY_ADD", u, at[0], middle))
+    square = graph.scalar("DOT_PRODUCT", to, to)
+    nearness = graph.math("POWER", square, -1.5)
 
-    nearness = graph.math("POWER", graph.scalar("LENGTH", to), -3.0)
+    # Places near the edge move to where a lobe, as seen from here, meets nothing else; of lamps thinner than it the
+    # lobes miss a part.
+    edge = graph.product(inset, graph.quotient(graph.product(square, area), graph.math("MAXIMUM", height, 1e-12)))
+    edges = [graph.quotient(edge, length) for length in lengths]
+    rooms = [graph.math("MAXIMUM", graph.difference(1.0, each), 1e-6) for each in edges]
+    far_out = [graph.quotient(place, room) for place, room in zip(at, rooms, strict=True)]
+    outwards = graph.math("SQRT", graph.fused(far_out[0], far_out[0], graph.product(far_out[1], far_out[1])))
+    outwards = graph.math("MAXIMUM", outwards, 1.0)
+    kept, covered = [], []
+    for place, room, each in zip(at, rooms, edges, strict=True):
+        within = graph.math("MAXIMUM", graph.math("MINIMUM", place, room), graph.product(room, -1.0))
+        kept.append(graph.choose(is_round, within, graph.quotient(place, outwards)))
+        thin = graph.quotient(1.0, graph.math("MAXIMUM", graph.product(each, lamp.is_area), 1.0))
+        covered.append(graph.product(thin, graph.fused(graph.product(thin, thin), 1.0 - 4.0 / math.pi, 4.0 / math.pi)))
+    to = graph.vector("MULTIPLY_ADD", v, kept[1], graph.vector("MULTIPLY_ADD", u, kept[0], middle))
+
     part = graph.sum(graph.product(lamp.is_rectangle, 1.0 / math.sqrt(3.0) - 0.5), 0.5)
     total: Any = None
     for sign in ("ADD", "SUBTRACT"):

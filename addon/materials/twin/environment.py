@@ -30,7 +30,7 @@ def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
     """Group (random numbers) -> direction, half vector of any length, colour and its factor.
 
     Directions are drawn in proportion to the luminance of f cos, see `precompute.table.importance`; colour times factor
-    is f cos over the density. ``Finished`` is the factor with the light's albedo, ``Special`` is 1 where that counts.
+    is f cos over the density. ``Finished`` is the factor with the albedos, ``Special`` is 1 where they count.
     """
     outputs = {"To": _VECTOR, "Half": _VECTOR, "RGB": _VECTOR, "Weight": _FLOAT}
     outputs |= {"Finished": _FLOAT, "Special": _FLOAT}
@@ -45,7 +45,7 @@ def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Val
     xi_1, xi_2, xi_3 = graph.split(random)
     own = [graph.scalar("DOT_PRODUCT", surface[axis], surface["Viewer"]) for axis in "TB"]
     stretch, wr, cos_d = _stretched_viewer(surface, own)
-    row, slope = _view(graph, wr, cos_d)
+    row, slope = _view(graph, wr, cos_d, _depth_set(surface, stretch, cos_d))
 
     def texel(column: Socket) -> tuple[Socket, Socket, Socket]:
         node = graph.add("ShaderNodeTexImage", image=image, interpolation="Closest", extension="EXTEND")
@@ -125,10 +125,22 @@ def _stretched(
     return graph.choose(flag, cos_i, z), r, graph.product(weight, graph.choose(flag, 1.0, share))
 
 
-def _view(graph: Graph, wr: list[Socket], cos_r: Socket) -> tuple[Socket, Socket]:
+def _depth_set(surface: Surface, stretch: Socket, cos_d: Socket) -> Socket:
+    """Number of the set of views for the depth of the surface, see `importance.depth_set`."""
+    graph, cosine = surface.graph, importance.SET_COSINE
+    light = graph.fused(graph.product(stretch, stretch), cosine * cosine - 1.0, 1.0)
+    seen = graph.sum(cos_d, graph.math("SQRT", graph.math("MAXIMUM", light, 0.0)))
+    judged = graph.quotient(graph.product(surface["Depth"], graph.sum(surface["CosR"], cosine)), seen)
+    step = 1.0 / (importance.DEPTHS[0] - importance.DEPTHS[1])
+    return graph.clamp(graph.math("FLOOR", graph.fused(judged, -step, step + 0.5)), 0.0, len(importance.DEPTHS) - 1.0)
+
+
+def _view(graph: Graph, wr: list[Socket], cos_r: Socket, chosen: Socket) -> tuple[Socket, Socket]:
     """Row of the image as a part of its height, and a third of dr / ds at the specular peak."""
-    most, step = float(importance.AZIMUTHS_MAX), float(importance.AZIMUTHS_STEP)
-    full = most / step
+    step, is_other = float(importance.AZIMUTHS_STEP), graph.math("MINIMUM", chosen, 1.0)
+    fewer = float(importance.AZIMUTHS_SETS - importance.AZIMUTHS_MAX)
+    most = graph.fused(is_other, fewer, float(importance.AZIMUTHS_MAX))
+    full = graph.product(most, 1.0 / step)
     sin_r = graph.math("SQRT", graph.math("MAXIMUM", graph.fused(graph.product(cos_r, -1.0), cos_r, 1.0), 0.0))
     tangent = graph.quotient(graph.sum(sin_r, 1.0), graph.math("MAXIMUM", cos_r, 1e-4))
     i = graph.math("LOGARITHM", tangent, math.exp(importance.VIEW_END / importance.N_VIEWS))
@@ -140,7 +152,9 @@ def _view(graph: Graph, wr: list[Socket], cos_r: Socket) -> tuple[Socket, Socket
     first = graph.fused(graph.difference(i, below), most, first)
     turn = graph.product(graph.math("ARCTAN2", wr[1], wr[0]), 0.5 / math.pi)
     j = graph.math("FLOORED_MODULO", graph.math("FLOOR", graph.fused(turn, count, 0.5)), count)
-    row = graph.fused(graph.sum(first, j), 1.0 / importance.HEIGHT, 0.5 / importance.HEIGHT)
+    row = graph.fused(chosen, float(importance.SET_VIEWS), graph.sum(first, j))
+    row = graph.fused(is_other, float(importance.FIRST_VIEWS - importance.SET_VIEWS), row)
+    row = graph.fused(row, 1.0 / importance.HEIGHT, 0.5 / importance.HEIGHT)
     wide = 2.0 * importance.VIEW_END / importance.N_VIEWS
     end = graph.math("POWER", math.exp(wide), graph.sum(i, 0.5))
     return row, graph.math("MINIMUM", graph.quotient(2.0, graph.sum(end, 1.0)), 2.0 / 3.0)
@@ -156,7 +170,7 @@ def _drawn(
     h = graph.vector("MULTIPLY_ADD", surface["B"], y, h)
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
     w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
-    return to, h, surface.value(square, turn, w), weight, *surface.with_albedo(weight, x, y, cos_i)
+    return to, h, surface.value(square, turn, w, h), weight, *surface.with_albedo(weight, x, y, cos_i)
 
 
 def _flat(graph: Graph, cos_r: Socket, xi_1: Socket, xi_2: Socket, wr: list[Socket]) -> tuple[Socket, Socket, Socket]:

@@ -29,35 +29,49 @@ EEVEE_PEAK = 0.9957
 
 
 def in_cycles(parts: Parts) -> bpy.types.NodeTree:
-    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe."""
+    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe.
+
+    Cycles steps over what a Mix Shader's factor leaves out, and over nothing else. So there are two lobes: a plain one,
+    and one for diffuse rays, dim lobes and where albedos may pass 1.
+    """
     inputs = {
         "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Narrow": _FLOAT, "On": _FLOAT,
         "Hits": _FLOAT, "Chance": _FLOAT,
     }  # fmt: skip
     surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER})
     graph = surface.graph
-    rgb, _, gain, _ = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
-    gain = surface.limited(gain, *graph.split(rgb))
+    rgb, plain, finished, has_albedo = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
     # What stands in a whole lobe's cone is that lobe's; whole lobes that hold each other's lamps share.
     taken = graph.fused(given["Hits"], graph.fused(given["Narrow"], 1e8, 1.0), 1.0)
-    gain = graph.product(gain, graph.quotient(given["Weight"], taken))
-    red, green, blue = graph.split(graph.scaled(rgb, kept(graph, rgb, gain, given["Chance"])))
-    node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
-    graph.put(node.inputs["Color"], graph.join(*(graph.for_cycles(each) for each in (red, green, blue))))
-    graph.put(node.inputs["Size"], graph.for_cycles(graph.product(given["Width"], 0.02 / math.pi)))
-    graph.put(node.inputs["Smooth"], 0.0)
+    weight = graph.quotient(given["Weight"], taken)
+    size = graph.for_cycles(graph.product(given["Width"], 0.02 / math.pi))
     half = graph.split(graph.vector("ADD", given["Aim"], surface["Viewer"]))  # Cycles normalises it
-    graph.put(node.inputs["Normal"], graph.join(*(graph.for_cycles(each) for each in half)))
-    graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, node.outputs[0]))
+    normal = graph.join(*(graph.for_cycles(each) for each in half))
+
+    def lobe(colour: Socket) -> Socket:
+        node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
+        sockets = {"Color": graph.join(*(graph.for_cycles(each) for each in graph.split(colour))), "Size": size}
+        for name, value in {**sockets, "Smooth": 0.0, "Normal": normal}.items():
+            graph.put(node.inputs[name], value)
+        return node.outputs[0]
+
+    grey = graph.scalar("DOT_PRODUCT", rgb, (1.0 / 3.0,) * 3)
+    plain = graph.product(plain, weight)
+    is_dim = graph.math("LESS_THAN", graph.product(grey, plain), WEIGHT_MIN)
+    is_special = graph.math("MAXIMUM", graph.math("MAXIMUM", has_albedo, surface["IsDiffuse"]), is_dim)
+    finished = graph.product(surface.limited(finished, *graph.split(rgb)), weight)
+    special = graph.scaled(rgb, kept(graph, grey, finished, given["Chance"]))
+    either = surface.mixed(is_special, lobe(graph.scaled(rgb, graph.product(plain, 0.01))), lobe(special))
+    graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, either))
     return graph.tree
 
 
-def kept(graph: Graph, rgb: Socket, gain: Socket, chance: Socket) -> Socket:
+def kept(graph: Graph, grey: Socket, gain: Socket, chance: Socket) -> Socket:
     """A hundredth of a factor of a colour such that Cycles does not drop the closure: dim ones stay now and then.
 
-    As ``kept`` in ``shaders/diffraction.osl``; the chance is a random number times `WEIGHT_MIN`.
+    As ``kept`` in ``shaders/diffraction.osl``; the colour's mean, the factor, a random number times `WEIGHT_MIN`.
     """
-    mean = graph.product(graph.scalar("DOT_PRODUCT", rgb, (1.0 / 3.0,) * 3), gain)
+    mean = graph.product(grey, gain)
     stays = graph.math("GREATER_THAN", mean, chance)
     raised = graph.math("MAXIMUM", graph.quotient(WEIGHT_MIN, mean), 1.0)
     return graph.product(graph.product(stays, 0.01), raised, gain)

@@ -41,6 +41,7 @@ SHARED = {
     "Shares": _VECTOR,
     "IsScaled": _FLOAT,
     "AlbedoFree": _FLOAT,
+    "IsDiffuse": _FLOAT,
     "Limit": _FLOAT,
     "Cone": _FLOAT,
     "Red": _VECTOR,
@@ -128,6 +129,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     brightness = graph.product(brightness, graph.product(scale2, graph.math("POWER", depth, parts.layout.power)))
     root = graph.quotient(graph.difference(given["IOR"], 1.0), graph.sum(given["IOR"], 1.0))
     is_diffuse = graph.add("ShaderNodeLightPath").outputs["Is Diffuse Ray"]
+    not_limited = graph.fused(is_diffuse, -1e20, 1e20)
     wr_x, wr_y = (graph.scalar("DOT_PRODUCT", axis, viewer) for axis in (t, b))
     albedo_r: Value = 1.0
     if parts.albedo is not None:
@@ -138,14 +140,15 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
         albedo_r = graph.math("MAXIMUM", found, 1.0)
     return {
         "T": t, "B": b, "N": n, "Viewer": viewer, "Position": geometry.outputs["Position"], "CosR": cos_r,
-        "Gain": graph.quotient(brightness, graph.product(cos_r, albedo_r)),
+        "Gain": graph.quotient(brightness, cos_r),
         "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
         "Scale": scale, "Scale2": scale2, "Depth": depth, "Tile": tile, "TilePart": tile_part, "Shares": shares,
         "IsScaled": is_scaled,
-        # the cosine below which the light's albedo counts
+        # the cosine below which albedos count
         "AlbedoFree": graph.choose(is_scaled, parts.albedo_free, 2.0),
         # of f cos: none for other rays than diffuse ones
-        "Limit": graph.choose(is_diffuse, 1e20, given["DiffuseLimit"]), "Cone": given["Cone"],
+        "IsDiffuse": is_diffuse, "Limit": graph.math("MAXIMUM", not_limited, given["DiffuseLimit"]),
+        "Cone": given["Cone"],
         **dict(zip(("Red", "Green", "Blue"), rows, strict=True)),
         "R0": graph.product(root, root), "IOR": given["IOR"],
         "ConductorN": given["ConductorN"], "ConductorK": given["ConductorK"],
@@ -155,12 +158,14 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
 
 def _columns(graph: Graph) -> list[Socket]:
     """The object's axes in world space, as long as they are scaled."""
-    columns = []
-    for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)):
-        node = graph.add("ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD")
-        graph.put(node.inputs[0], axis)
-        columns.append(node.outputs[0])
-    return columns
+    return [_in_world(graph, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
+
+
+def _in_world(graph: Graph, vector: Value) -> Socket:
+    """A direction of the object's in world space, as long as it is scaled."""
+    node = graph.add("ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD")
+    graph.put(node.inputs[0], vector)
+    return node.outputs[0]
 
 
 def _surface_direction(graph: Graph, columns: list[Socket], given: Socket) -> Socket:
@@ -183,9 +188,7 @@ def _frame(graph: Graph, given: Any, n: Socket, in_eevee: Socket) -> tuple[Socke
     is_given = graph.math("GREATER_THAN", graph.scalar("LENGTH", given["Tangent"]), 0.0)
     columns = _columns(graph)
     read = [graph.add("ShaderNodeAttribute", attribute_name=name) for name in ("tangent", "tangent_sign")]
-    turned = graph.add("ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD")
-    graph.put(turned.inputs[0], read[0].outputs["Vector"])
-    along, sign = turned.outputs[0], read[1].outputs["Fac"]
+    along, sign = _in_world(graph, read[0].outputs["Vector"]), read[1].outputs["Fac"]
     along_uv, across_uv = frame.uv_frame(graph.tree)
     node: Any
     for node in (along_uv.node, across_uv.node):
@@ -195,8 +198,7 @@ def _frame(graph: Graph, given: Any, n: Socket, in_eevee: Socket) -> tuple[Socke
     own = graph.mix(given["TangentIsDirection"], as_normal, given["Tangent"])
     t = graph.mix(is_given, along, own)
     # Without a UV map: along the object's x, or z where that stands upright.
-    t = graph.vector("ADD", t, graph.scaled(columns[0], 1e-5))
-    t = graph.vector("ADD", t, graph.scaled(columns[2], 1e-9))
+    t = graph.vector("ADD", t, _in_world(graph, (1e-5, 0.0, 1e-9)))
     t = graph.vector("SUBTRACT", t, graph.scaled(n, graph.scalar("DOT_PRODUCT", t, n)))
     t = graph.vector("NORMALIZE", t)
     across = graph.vector("CROSS_PRODUCT", n, t)
@@ -260,31 +262,31 @@ class Surface:
         names = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
         return self.graph.group(tree, **{each: self[each] for each in SHARED if each in names}, **values)
 
-    def value(self, square: Socket, turn: Socket, w: Socket) -> Socket:
+    def value(self, square: Socket, turn: Socket, w: Socket, half: Socket) -> Socket:
         """`value.value` for a direction."""
-        return self.group(self.parts.value, Square=square, Turn=turn, W=w).outputs["Value"]
+        return self.group(self.parts.value, Square=square, Turn=turn, W=w, Half=half).outputs["Value"]
 
     def f_cos(self, h: Socket) -> tuple[Socket, Socket, Socket, Value]:
-        """f cos for the sum h of the directions to light and viewer: RGB, its factor, that with the light's albedo.
+        """f cos for the sum h of the directions to light and viewer: RGB, its factor, that with the albedos.
 
-        The last socket is 1 where the light's albedo may pass 1: elsewhere the two factors are the same. Both are 0
-        where the light is below the surface.
+        The last socket is 1 where an albedo may pass 1: elsewhere the two factors are the same. Both are 0 where the
+        light is below the surface.
         """
         graph = self.graph
         x, y, w = (graph.scalar("DOT_PRODUCT", self[axis], h) for axis in "TBN")
         gain = graph.product(graph.math("GREATER_THAN", w, self["CosR"]), self["Gain"])
         cos_i = graph.difference(w, self["CosR"])
         w, gain = self.behind_face(w, cos_i, gain)
-        rgb = self.value(graph.fused(x, x, graph.product(y, y)), graph.math("ARCTAN2", y, x), w)
+        rgb = self.value(graph.fused(x, x, graph.product(y, y)), graph.math("ARCTAN2", y, x), w, h)
         return rgb, gain, *self.with_albedo(gain, x, y, cos_i)
 
     def with_albedo(self, gain: Socket, x: Socket, y: Socket, cos_i: Socket) -> tuple[Socket, Value]:
-        """A factor with the light's albedo, which counts where it passes 1 and the viewer's, and whether it may.
+        """A factor with the larger of the light's albedo and the viewer's where that passes 1, and whether it may.
 
         Parameters
         ----------
         gain
-            With the viewer's albedo only.
+            Without albedos.
         x, y
             Components of h along t and b.
         cos_i
@@ -295,8 +297,9 @@ class Surface:
             return gain, 0.0
         against = {"AgainstT": graph.difference(self["WrX"], x), "AgainstB": graph.difference(self["WrY"], y)}
         found = self.group(self.parts.albedo, Cosine=cos_i, **against).outputs["Albedo"]
-        lost = graph.quotient(self["AlbedoR"], graph.math("MAXIMUM", found, self["AlbedoR"]))
-        return graph.product(gain, lost), graph.math("LESS_THAN", cos_i, self["AlbedoFree"])
+        steeper = graph.math("MINIMUM", cos_i, self["CosR"])
+        finished = graph.quotient(gain, graph.math("MAXIMUM", found, self["AlbedoR"]))
+        return finished, graph.math("LESS_THAN", steeper, self["AlbedoFree"])
 
     def behind_face(self, w: Socket, cos_i: Socket, gain: Socket) -> tuple[Socket, Socket]:
         """|w| and the factor of a direction under a clear layer of index n, see ``shaders/brdf.osl``; as given without.
@@ -321,7 +324,7 @@ class Surface:
 
     def outer_face(self, cosine: Socket) -> Socket:
         """Exact reflectance of the lacquer's outer face, as ``fresnel_exact`` in ``shaders/brdf.osl``."""
-        return values.dielectric(self.graph, self.parts.layout.index**2, cosine)
+        return values.exact(self.graph, self.parts.layout.index**2, cosine)
 
     def limited(self, gain: Socket, red: Socket, green: Socket, blue: Socket) -> Socket:
         """The factor of a colour whose peaks diffuse rays shall not see."""
@@ -334,7 +337,11 @@ class Surface:
         graph, fresnel = self.graph, self.parts.fresnel
         reflectance: Value = 1.0
         if fresnel == "DIELECTRIC":
-            reflectance = values.dielectric(graph, graph.product(self["IOR"], self["IOR"]), self["CosR"])
+            # From behind, too, it is that of the face seen from outside, and all is kept below the horizon.
+            behind = graph.add("ShaderNodeNewGeometry").outputs["Backfacing"]
+            turned = graph.difference(graph.quotient(1.0, self["IOR"]), self["IOR"])
+            reflectance = values.dielectric(graph, graph.fused(behind, turned, self["IOR"]), self["N"])
+            reflectance = graph.math("MAXIMUM", reflectance, graph.math("LESS_THAN", self["CosR"], 0.0))
         elif fresnel == "SCHLICK":
             reflectance = values.schlick(graph, self["R0"], graph.clamp(graph.difference(1.0, self["CosR"]), 0.0, 1.0))
         elif fresnel == "CONDUCTOR":

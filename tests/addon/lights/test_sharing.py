@@ -98,15 +98,29 @@ def on_plane(table, implementation="OSL"):
 def test_two_strips_are_the_sum_of_each(blender, blazed, apart, colours, implementation):
     on_plane(blazed, implementation)
     first, second = (0, colours[0]), (apart, colours[1])
-    assert strips(256, first, second) == pytest.approx(strips(256, first) + strips(256, second), rel=0.03)
+    # The blue strip lies off the order: its dim light, of narrow lobes, varies by 4 % from seed to seed at 256.
+    samples = 256 if apart < 1.0 else 4096
+    assert strips(samples, first, second) == pytest.approx(strips(256, first) + strips(256, second), rel=0.03)
 
 
 @pytest.mark.slow
 @BOTH
 def test_panel_of_sixteen_is_the_sum_of_each(blender, blazed, implementation):
     on_plane(blazed, implementation)
-    together = shot(512, panel(4))
-    assert together == pytest.approx(sum(shot(64, [one_tile(4, number)]) for number in range(16)), rel=0.03)
+    # Blue, of which one tile has most, varies by 3 % from seed to seed with 64 samples a tile.
+    together = shot(1024, panel(4))
+    assert together == pytest.approx(sum(shot(256, [one_tile(4, number)]) for number in range(16)), rel=0.03)
+
+
+@BOTH
+def test_thin_lamp_beside_a_dark_one_shines_as_alone(blender, blazed, implementation):
+    """Narrow lobes keep clear of its edge, whose f counts all the same: 9 % were lost in OSL and 14 % in nodes."""
+    on_plane(blazed, implementation)
+    alone = strips(256, (1.0, BLUE))
+    dark = area((1, 1.2, 1.6), (0, 0, 0), BLUE, 1e-3, shape="RECTANGLE", size=0.2, size_y=2)
+    beside = strips(1024, (1.0, BLUE))
+    bpy.data.objects.remove(dark)
+    assert beside[2] == pytest.approx(alone[2], rel=0.06)  # 2 % of it noise
 
 
 @pytest.mark.parametrize("spread", [60, 20])

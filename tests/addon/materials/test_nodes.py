@@ -183,10 +183,9 @@ def test_eevee_equals_cycles_for_a_lamp(blender, tmp_path, name):
 
 
 @pytest.mark.slow
-def test_eevee_takes_eight_suns_apart(blender, tmp_path):
-    """Suns 25 degrees and more from one another; those of ten degrees see 4 percent of each other."""
-    suns = [(0.1, 0.1, 1), (-0.5, 0.2, 0.9), (0.4, -0.6, 0.7), (0.4, 0.5, 0.8), (-0.3, -0.5, 0.8), (0.8, 0, 0.5),
-            (0, 0.9, 0.5), (-0.9, -0.3, 0.5)]  # fmt: skip
+def test_eevee_takes_four_suns_apart(blender, tmp_path):
+    """As many as it reads, 25 degrees and more from one another; those of ten degrees see 4 percent of each other."""
+    suns = [(0.1, 0.1, 1), (-0.5, 0.2, 0.9), (0.4, -0.6, 0.7), (0.4, 0.5, 0.8)]
     sphere = two_suns(tmp_path, suns=suns)
     materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
     by_cycles = scenes.render(32, samples=256, centred=True)

@@ -7,7 +7,7 @@ import pytest
 
 from precompute.bake.baking import bake
 from precompute.evaluate.scaled import ScaledTable
-from precompute.light.colour import luminance_row, xyz_to_rgb_matrix
+from precompute.light.colour import luminance_row, spectral_weights, xyz_to_rgb_matrix
 from precompute.parameters import BakeParameters
 from precompute.presets import make_preset
 from precompute.stack import parse_stack
@@ -161,3 +161,48 @@ def test_a_stack_inside_is_corrected_to_the_true_half_angle(blender, tmp_path, i
     node_of(made).inputs["Scale"].default_value, node_of(made).inputs["Depth"].default_value = 0.8, 0.6
     truth, good = expected(sphere, ScaledTable(table, 0.8, 0.6), [SUN], 32)
     assert_images_agree(scenes.render(32), truth, 0.01, 98, where=good, name=f"stack_{implementation}")
+
+
+def dominant_wavelengths(xyz):
+    """By colour-science, metres: another way than that of the recipe."""
+    import colour
+
+    white = colour.CCS_ILLUMINANTS["CIE 1931 2 Degree Standard Observer"]["D65"]
+    return np.array([float(colour.dominant_wavelength(each, white)[0]) for each in colour.XYZ_to_xy(xyz)]) * 1e-9
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_a_painted_picture_is_rendered_in_its_own_hues(blender, tmp_path, implementation):
+    """A card under the sun of its recipe: dominant wavelengths within 10 nm, what cannot be shown is dark."""
+    from diffraction_shader.addon.materials.node import paint_nodes
+
+    from precompute.paint import make_paint, save_paint
+
+    path, lamp = tmp_path / "grating.exr", 35.0
+    field = make_preset("sinusoid", 48e-6, 640, period_um=1.6, amplitude_nm=25)
+    bake(field, BakeParameters(sigma_s_m=5e-6, level="none")).save(path)
+    lines = np.array([400, 460, 475, 490, 510, 530, 550, 570, 590, 605, 620, 690]) * 1e-9
+    grid, weights = spectral_weights(illuminant="E")
+    xyz = np.stack([np.interp(lines, grid, weights[:, i]) for i in range(3)], -1)
+    rgb = xyz @ xyz_to_rgb_matrix().T
+    rgb -= np.minimum(rgb.min(-1, keepdims=True), 0.0)  # towards white until it is in the gamut
+    rgb /= rgb.max(-1, keepdims=True)
+    count = len(lines)
+    paint = make_paint(
+        "picture", 1.6e-6, pixels=count, pictures=[np.repeat(rgb[None], count, 0)], lamp_deg=lamp, sigma_s_um=5.0
+    )
+    plane = scenes.add_plane(half=1.0)
+    made = materials.diffracting(plane, path, implementation, fresnel="NONE", environment=0)
+    paint_nodes.wire(made, paint_nodes.load(save_paint(paint, tmp_path / "paint.exr")))
+    scenes.add_sun((np.sin(np.radians(lamp)), 0.0, np.cos(np.radians(lamp))))
+    scenes.add_camera((0.0, 0.0, 1.0), extent=2.0)
+    image = scenes.render(4 * count, 4)[::-1, ::-1]
+    columns = image.reshape(4 * count, count, 4, 3)[: 2 * count, :, 1:3].mean((0, 2))
+    shown = paint.mask.mean(0) > 0.5
+    assert 8 <= shown.sum() < count  # the ends of the spectrum are marked
+    luminances = columns @ luminance_row()
+    assert luminances[~shown].max() < 0.05 * luminances[shown].min()
+    seen, wanted = (dominant_wavelengths(each @ np.linalg.inv(xyz_to_rgb_matrix()).T) for each in (columns, rgb))
+    off = np.abs(seen - wanted)[shown]
+    print(f"{implementation}: {shown.sum()} hues, at most {1e9 * off.max():.1f} nm off, mean {1e9 * off.mean():.1f} nm")
+    assert off.max() < 10e-9

@@ -132,3 +132,35 @@ def test_a_preset_tells_its_period(tmp_path):
     info = {**table.info, "layout": table.layout.to_dict()}
     hue = np.ones((8, 8, 3)) * (0.1, 0.9, 0.1)
     assert paint_of_table("picture", info, 8, pictures=[hue]).info["settings"]["sigma_s_um"] == pytest.approx(1.0)
+
+
+def test_undo_takes_back_what_was_painted_and_redo_brings_it_again(painted):
+    name = painted.name
+    bpy.ops.diffraction.paint(recipe="rings", pixels=16, period_um=1.6)
+    first = file_of(painted)
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.diffraction.paint(recipe="rays", pixels=16, period_um=1.6)
+    second = file_of(painted)
+    bpy.ops.ed.undo_push(message="Paint")
+    assert second != first
+    bpy.ops.ed.undo()
+    shaded = bpy.data.materials[name]
+    assert file_of(shaded) == first and first.is_file()
+    assert load_paint(file_of(shaded)).info["recipe"] == "rings"
+    bpy.ops.ed.redo()
+    assert file_of(bpy.data.materials[name]) == second
+
+
+def test_collected_files_hold_the_paint(painted, tmp_path):
+    bpy.ops.diffraction.paint(recipe="glitter", pixels=16, period_um=1.6)
+    there = file_of(painted)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(elsewhere / "moved.blend"), relative_remap=True)
+    assert bpy.ops.diffraction.collect_files() == {"FINISHED"}
+    here = file_of(painted)
+    assert here.is_relative_to(elsewhere) and here.name == there.name
+    assert here.read_bytes() == there.read_bytes()
+    assert image_of(painted).filepath.startswith("//")
+    assert bpy.ops.diffraction.collect_files() == {"FINISHED"}
+    assert file_of(painted) == here

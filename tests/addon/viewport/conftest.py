@@ -41,3 +41,13 @@ def sphere(renderer, tmp_path):
     scenes.add_camera()
     scene.give_material(ob, tmp_path / "table.exr", fresnel="NONE")
     return ob
+
+
+@pytest.fixture
+def plane(renderer, tmp_path):
+    """A diffracting plane of 2 x 2 m under a sun, seen from above; its material."""
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    ob = scenes.add_plane(half=1.0)
+    scenes.add_sun((0.3, 0.2, 1.0), strength=2.0)
+    scenes.add_camera((0.1, 0.2, 1.0), extent=2.0)
+    return scene.give_material(ob, tmp_path / "t.exr", fresnel="NONE")

@@ -17,6 +17,10 @@ from precompute.parameters import BakeParameters
 from precompute.presets import make_preset
 from precompute.scan.heightfield import HeightField
 from precompute.stack import parse_stack
+from precompute.table import scaled_albedo, scaled_bound
+from precompute.table.table import SpectralTable
+from tests.truth import radiance
+from tests.truth.hemisphere import hemisphere
 
 PARAMETERS = BakeParameters(sigma_s_m=3e-6, level="none")
 
@@ -208,3 +212,57 @@ def test_a_stack_of_few_films_is_corrected(substrate, films, s, q):
     mine, its = brdf(scaled, wi, wr), brdf(other, wi, wr)
     assert (np.abs(mine - its).sum(0) / its.sum(0) < 0.012).all()
     assert scaled.approximate
+
+
+def cell_errors(field, parameters, pairs):
+    """Light of a sky that brightens to one side that each (s, q) sends straight up and aslant, over that of a bake of
+    its own, less 1; energy conserved.
+    """
+    wi, solid_angle = hemisphere(160)
+    light = (0.3 + 10.0 * np.maximum(wi @ np.array([0.4, 0.3, 0.87]), 0.0) ** 3) * solid_angle
+    one, errors = bake(field, parameters(1.0)), []
+    for s, q in pairs:
+        own, mine = bake(stretched(field, s, q), parameters(s)), ScaledTable(one, s, q)
+        for wr in (from_angles(0.05, -1.5), from_angles(0.5, 0.7)):
+            seen, truth = ((radiance.f_cos_xyz(each, wi, wr)[..., 1] * light).sum() for each in (mine, own))
+            errors.append(seen / truth - 1.0)
+    return np.array(errors)
+
+
+@pytest.mark.parametrize(
+    ("name", "count"),
+    [
+        ("sinusoid", 3), ("foil", 3),
+        *(pytest.param(name, 10, marks=pytest.mark.slow) for name in ("foil", "snake", "cd", "blazed")),
+        pytest.param("sinusoid", 50, marks=pytest.mark.slow),
+    ],
+)  # fmt: skip
+def test_a_cell_sends_out_what_a_bake_of_its_own_would(name, count):
+    """Within 2 percent with energy conserved: single wavelengths of scaled surfaces are bounded as their bakes do.
+
+    Other structures than the grating may pass it by a little where an order meets the horizon.
+    """
+    numbers = {"period_um": 1.4, "amplitude_nm": 60.0} if name == "sinusoid" else {}
+    field = make_preset(name, 24e-6, 300, **numbers)
+    sigma = 1.5e-6 if name == "sinusoid" else 2e-6
+    pairs = np.random.default_rng(5).uniform(0.5, 1.0, (count, 2))
+    errors = cell_errors(field, lambda s: BakeParameters(sigma_s_m=s * sigma, level="none", detail=0.6), pairs)
+    print(
+        f"{name}: worst of {count} cells {100 * np.abs(errors).max():.2f} %, mean {100 * np.abs(errors).mean():.2f} %"
+    )
+    assert np.abs(errors).max() < (0.02 if name == "sinusoid" else 0.025)
+
+
+def test_a_table_without_bounds_of_scaled_surfaces_is_read(table):
+    """As older releases wrote it, or damaged: what its own surface needs is taken then."""
+    bound = scaled_bound.unpack(table.info)
+    assert np.array_equal(scaled_bound.unpack({"energy": {"scaled_bound": scaled_bound.pack(bound)}}), bound)
+    assert (bound >= 1.0).all()
+    energy = {key: value for key, value in table.info["energy"].items() if key != "scaled_bound"}
+    damaged = {**energy, "scaled_bound": {**table.info["energy"]["scaled_bound"], "data": "no"}}
+    for info in ({}, {"energy": energy}, {"energy": damaged}):
+        assert scaled_bound.unpack(info) is None
+        older = SpectralTable(table.layout, table.atlas, {**table.info, "energy": info.get("energy", {})})
+        tiles = scaled_albedo.scaled_albedos(older)
+        assert tiles.shape == (scaled_albedo.HEIGHT, scaled_albedo.WIDTH, 3)
+        assert (tiles > 0.0).all()

@@ -63,29 +63,24 @@ def scaled(objects, species, space, scale_size=0.0):
 
 def build(out):
     """The scene."""
-    scene = stage.empty_room(out / "skins.blend", (0.045, 0.052, 0.068))
-    ground = stage.plain("Slate", (0.030, 0.021, 0.014), 0.7)
-    ground.node_tree.nodes["Principled BSDF"].inputs["Specular IOR Level"].default_value = 0.08
-    stage.table_top(2.0, ground)
-    sunbeam = body("Sunbeam snake", *winding((-0.30, -0.055), (0.30, -0.10), 0.030, 1.5, 0.0170))
-    corn = body("Corn snake", *winding((-0.34, 0.075), (0.34, 0.015), 0.022, 1.6, 0.0165, 2.4))
+    scene = stage.empty_room(out / "skins.blend", (0.05, 0.055, 0.065))
+    stage.table_top(2.0, stage.plain("Slate", (0.010, 0.0095, 0.009), 0.6))
+    sunbeam = body("Sunbeam snake", *winding((-0.34, -0.02), (0.36, -0.12), 0.040, 1.6, 0.0150))
+    corn = body("Corn snake", *winding((-0.36, 0.15), (0.36, 0.04), 0.034, 1.7, 0.0160, 2.4))
     left, right = (
-        suzanne("Left", (-0.098, 0.160, 0.062), 0.072, 0.30),
-        suzanne("Right", (0.098, 0.160, 0.062), 0.072, -0.25),
+        suzanne("Left", (-0.115, 0.215, 0.058), 0.068, 0.35),
+        suzanne("Right", (0.115, 0.215, 0.058), 0.068, -0.3),
     )
     scaled([sunbeam], "SUNBEAM", "UV")
     scaled([left], "SUNBEAM", "OBJECT", 0.0065)
     scaled([corn], "CORN", "UV")
     scaled([right], "CORN", "OBJECT", 0.0058)
-    for name, place, strength, colour in (
-        ("Sun", (0.30, 0.34, 0.9), 9.0, (1.0, 0.97, 0.92)),
-        ("Window", (-0.75, -0.30, 0.62), 4.0, (0.9, 0.95, 1.0)),
-    ):
-        sun = bpy.data.lights.new(name, "SUN")
-        sun.energy, sun.angle, sun.color = strength, math.radians(0.6), colour
-        stage.aim(stage.link(name, sun), place, (0.0, 0.0, 0.0))
-    stage.camera((0.0, -0.50, 0.34), (0.0, 0.055, 0.024), 45, (0.60, 9.0))
+    sun = bpy.data.lights.new("Sun", "SUN")
+    sun.energy, sun.angle = 7.0, math.radians(0.6)
+    stage.aim(stage.link("Sun", sun), (0.30, 0.42, 0.9), (0.0, 0.0, 0.0))
+    stage.softbox("Window", (-0.9, 0.3, 0.8), (0.0, 0.05, 0.0), (0.5, 0.5), 7.0, (0.85, 0.92, 1.0))
+    stage.camera((0.0, -0.58, 0.42), (0.0, 0.085, 0.025), 45, (0.74, 11.0))
     scene.view_settings.view_transform = "AgX"
-    scene.view_settings.look = "AgX - Punchy"
-    scene.view_settings.exposure = 0.9
+    scene.view_settings.look = "AgX - Medium High Contrast"
+    scene.view_settings.exposure = 0.4
     scene.cycles.sample_clamp_indirect = 2.0
