@@ -50,9 +50,10 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
 
     def lobe(colour: Socket) -> Socket:
         node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
-        sockets = {"Color": graph.join(*(graph.for_cycles(each) for each in graph.split(colour))), "Size": size}
-        for name, value in {**sockets, "Smooth": 0.0, "Normal": normal}.items():
-            graph.put(node.inputs[name], value)
+        graph.put(node.inputs["Color"], graph.join(*(graph.for_cycles(each) for each in graph.split(colour))))
+        graph.put(node.inputs["Size"], size)
+        graph.put(node.inputs["Smooth"], 0.0)
+        graph.put(node.inputs["Normal"], normal)
         return node.outputs[0]
 
     grey = graph.scalar("DOT_PRODUCT", rgb, (1.0 / 3.0,) * 3)
