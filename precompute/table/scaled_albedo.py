@@ -127,11 +127,11 @@ def scaled_albedos(table: SpectralTable) -> np.ndarray:
             for own, least in zip(node, scaled_bound.between(bound, scale), strict=False):
                 least = _on_tile(least, np.maximum)
                 own[:] = np.where(least > BOUND_SLACK, np.maximum(own, least), own)
-    if table.headroom == (1.0, 1.0):
-        needed[0, 0] = conserving  # of the surface as baked it is known
     tiles = needed[::2].copy()
     tiles[:-1] = np.maximum(tiles[:-1], needed[1::2])
     tiles[1:] = np.maximum(tiles[1:], needed[1::2])
+    if table.headroom == (1.0, 1.0):
+        tiles[0, 0] = conserving  # of the surface as baked it is known, and OSL looks it up elsewhere
     tiles = np.concatenate([tiles[:, :, -1:], tiles, tiles[:, :, :1]], axis=2)
     return np.ascontiguousarray(tiles.transpose(2, 0, 3, 1).reshape(HEIGHT, WIDTH, 3).astype(np.float32))
 
