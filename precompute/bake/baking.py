@@ -362,6 +362,7 @@ def _bake(
         transform = np.empty((layout.n_r, layout.n_w, 3, layout.n_phi), np.float32)
         means = _integrate(polar, coefficients, total, layout, stages, transform)
         del coefficients
+        total.matrices.clear()  # the largest of what is held; of the sum its grids alone are looked at from here on
         stages.done("spectral sum")
     stages.report("balance", 0.85)
     texels = balance(transform, layout, lambda done: stages.report("balance", 0.85 + 0.02 * done))
@@ -387,6 +388,7 @@ def _bake(
         seen = _seen_reflectance(stack, parameters.lacquer, index, wavelengths, weights)
         seen = seen if to_adapted is None else seen @ to_adapted.T
     layout, atlas = assemble(texels, layout, np.stack([albedo, conserving]), to_adapted, seen)
+    del texels
     stages.done("atlas")
     spent: dict[str, object] = {
         "model": parameters.energy,
