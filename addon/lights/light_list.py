@@ -159,8 +159,7 @@ def _undrive(scene: bpy.types.Scene, name: str) -> None:
 
 def _drive(scene: bpy.types.Scene, name: str, index: int, entry: Drive) -> None:
     driver = scene.driver_add(f'["{name}"]', index).driver
-    expression = entry.expression
-    driver.type = "SCRIPTED" if expression else "SUM"
+    driver.type = "SCRIPTED" if entry.expression else "SUM"
     for each in entry.variables:
         variable = driver.variables.new()
         variable.name = each.name
@@ -169,8 +168,8 @@ def _drive(scene: bpy.types.Scene, name: str, index: int, entry: Drive) -> None:
         target.id_type = _id_type(each.owner)
         target.id = each.owner
         target.data_path = each.path
-    if expression:
-        driver.expression = expression
+    if entry.expression:
+        driver.expression = entry.expression
 
 
 def _id_type(owner: bpy.types.ID) -> str:
