@@ -292,8 +292,6 @@ class Albedos:
             inverse /= 2.0 * half_extent
         w = n * (cos_i + cos_r)
         weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
-        # Below the last slice T goes on like |w|^power.
-        weight *= np.minimum(depth * w / self._slices[0], 1.0) ** self._layout.power
         position = self._layout.slice_coordinate(depth * w)
         lower = np.minimum(position.astype(int), len(self._slices) - 2)
         blend = position - lower
