@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bounds of single wavelengths (`precompute.bake.energy`) of the stretched and deepened surfaces that a table serves.
 
-The light of a wavelength is summed once; a scale moves its rings, a depth the slices that it is taken from.
+The light of a wavelength is summed once; a scale moves its rings, a depth the slices that it is taken from. Where it
+goes depends on the wavelength over the scale alone, so that both are whole steps of the same octave.
 """
 
 from __future__ import annotations
@@ -13,11 +14,11 @@ import numpy as np
 from ..table import scaled_bound
 from ..table.scaled_albedo import albedo_ratios
 from ..table.table import SpectralTable
-from .energy import Albedos, needed
+from .energy import Albedos, Cells, needed
 from .transforms import workers
 
-#: Wavelengths, and the width of rings of frequencies over their radius.
-_WAVELENGTHS, _RING = 9, 0.06
+#: Wavelengths an octave, which the scales are whole steps of, and the width of rings of frequencies over their radius.
+_STEPS, _RING = 8, 0.06
 
 
 def scaled_bounds(
@@ -44,23 +45,50 @@ def scaled_bounds(
     layout, thetas = table.layout, scaled_bound.THETAS
     albedos = Albedos(frequencies, means, nodes, kappa_max, layout, layout.index, None, _RING)
     most_s, most_q = layout.headroom
-    pairs = [(most_s * s, most_q * q) for s in scaled_bound.SCALES for q in scaled_bound.DEPTHS]
+    n_scales, n_depths = len(scaled_bound.SCALES), len(scaled_bound.DEPTHS)
+    depths = [most_q * q for q in scaled_bound.DEPTHS]
+    pairs = [(most_s * s, q) for s in scaled_bound.SCALES for q in depths]
     tile_theta = np.arange(layout.n_theta) * (0.5 * np.pi / (layout.n_theta - 1))
     tile_phi = np.arange(scaled_bound.N_AZIMUTHS) * layout.n_albedo_phi // scaled_bound.N_AZIMUTHS
     own = np.stack([np.interp(thetas, tile_theta, row) for row in albedo[tile_phi]], -1)
-    divisors = np.maximum((own * albedo_ratios(table, pairs)).min(-1), 1.0)
-    few = np.linspace(wavelengths[0], wavelengths[-1], _WAVELENGTHS)
+    divisors = np.maximum((own * albedo_ratios(table, pairs)).min(-1), 1.0).reshape(n_scales, n_depths, -1)
+    few = _wavelengths(float(wavelengths[0]), float(wavelengths[-1]))
+    steps = np.rint(-_STEPS * np.log2(scaled_bound.SCALES)).astype(int)
 
-    def of_wavelength(wavelength: float) -> np.ndarray:
+    def light(wavelength: float) -> np.ndarray:
         at = None if gain is None else np.array([np.interp(wavelength, wavelengths, row) for row in gain])
-        light = albedos.light(wavelength, at, most_s)
-        return np.stack(
-            [
-                needed(albedos.scaled_parts(wavelength, light, thetas, divisor, *pair))
-                for pair, divisor in zip(pairs, divisors, strict=True)
-            ]
-        )
+        return albedos.light(wavelength, at, most_s).reshape(-1, scaled_bound.N_AZIMUTHS)
 
+    def of_ratio(ratio: int) -> list[tuple[int, int, np.ndarray]]:
+        """All wavelengths over scales that are ``few[0] / most_s 2^(ratio / _STEPS)`` have their cells in common."""
+        cells = albedos.cells(few[0] / most_s * 2.0 ** (ratio / _STEPS), thetas, depths)
+        found = []
+        for scale, number in enumerate(ratio - steps):
+            if 0 <= number < len(few):
+                for depth, towards in enumerate(cells):
+                    found.append((scale, depth, _needed(towards, lights[number], thetas, divisors[scale, depth])))
+        return found
+
+    bound = np.ones((n_scales, n_depths, len(thetas), scaled_bound.N_AZIMUTHS))
     with ThreadPoolExecutor(workers()) as pool:
-        found = np.stack(list(pool.map(of_wavelength, few))).max(0)
-    return found.reshape(len(scaled_bound.SCALES), len(scaled_bound.DEPTHS), *found.shape[1:])
+        lights = list(pool.map(light, few))
+        for found in pool.map(of_ratio, range(len(few) + steps.max())):
+            for scale, depth, asked in found:
+                np.maximum(bound[scale, depth], asked, out=bound[scale, depth])
+    return bound
+
+
+def _wavelengths(first: float, last: float) -> np.ndarray:
+    """As many as fit between two, evenly in their logarithm."""
+    count = int(np.floor(_STEPS * np.log2(last / first))) + 1
+    return np.sqrt(first * last) * 2.0 ** ((np.arange(count) - 0.5 * (count - 1)) / _STEPS)
+
+
+def _needed(towards: list[Cells], light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> np.ndarray:
+    """``(thetas, azimuths)`` least divisors that leave at most 1 of the light; few directions ask for one at all."""
+    found = np.ones((len(thetas), light.shape[1]))
+    lefts = [each.left(light, thetas, divisor, always=False) for each in towards]
+    asking = [k for k, each in enumerate(lefts) if each is not None]
+    if asking:
+        found[asking] = needed(np.stack([lefts[k] for k in asking], axis=1))
+    return found
