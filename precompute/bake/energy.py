@@ -24,7 +24,7 @@ Kirchhoff integral, which is why that is not the default.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -226,8 +226,8 @@ class Albedos:
             ``(n_w,)`` factor of T at the slices.
         """
         rows = self.light(wavelength, gain).reshape(-1, _AZIMUTHS)
-        (towards,) = self.cells(wavelength, self.thetas)
-        return np.stack([each.left(rows, self.thetas, self._divisor) for each in towards], axis=1)
+        (cells,) = self.cells(wavelength, self.thetas)
+        return cells.left(rows, self.thetas, self._divisor)
 
     @property
     def n_rings(self) -> int:
@@ -256,8 +256,8 @@ class Albedos:
         count = int(np.searchsorted(self._f * wavelength, 2.0, side="right"))
         return count, self._starts[self._starts < count]
 
-    def cells(self, wavelength: float, thetas: np.ndarray, depths: Sequence[float] = (1.0,)) -> list[list[Cells]]:
-        """What reaches viewers, for each depth and polar angle: ``T'(u, v, w) = s^2 T(s u, s v, q w)``.
+    def cells(self, wavelength: float, thetas: np.ndarray, depths: Sequence[float] = (1.0,)) -> list[Cells]:
+        """What reaches viewers, for each depth: ``T'(u, v, w) = s^2 T(s u, s v, q w)``.
 
         Parameters
         ----------
@@ -294,7 +294,7 @@ class Albedos:
             inverse /= 2.0 * half_extent
         w = n * (cos_i + cos_r)
         weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
-        ends = np.cumsum(np.bincount(of_theta, minlength=len(thetas)))[:-1]
+        starts = np.searchsorted(of_theta, np.arange(len(thetas)))
         found = []
         for depth in depths:
             # Below the last slice T goes on like |w|^power.
@@ -302,19 +302,20 @@ class Albedos:
             position = self._layout.slice_coordinate(depth * w)
             lower = np.minimum(position.astype(int), len(self._slices) - 2)
             above = (deep * (position - lower)).astype(np.float32)
-            below = deep.astype(np.float32) - above
             low = lower * (self.n_rings * self._half) + place
-            parts = (np.split(each, ends) for each in (low, low + self.n_rings * self._half, below, above, incidence))
-            found.append([Cells(*each) for each in zip(*parts, strict=True)])
+            high = low + self.n_rings * self._half
+            found.append(Cells(starts, low, high, deep.astype(np.float32) - above, above, incidence))
         return found
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Where the light towards one polar angle comes from: ``(cells,)`` each.
+    """Where the light towards viewers comes from; ``(cells,)`` each, polar angle by polar angle.
 
     Parameters
     ----------
+    starts
+        ``(thetas,)`` the first cell of each; every viewer has one, its own mirror image.
     low, high
         Rows of `Albedos.light`, flat but for the azimuths: of the slice below and of the one above.
     below, above
@@ -323,16 +324,15 @@ class Cells:
         Polar angle of the light (radians).
     """
 
+    starts: np.ndarray
     low: np.ndarray
     high: np.ndarray
     below: np.ndarray
     above: np.ndarray
     incidence: np.ndarray
 
-    def left(
-        self, light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray, always: bool = True
-    ) -> np.ndarray | None:
-        """``(tried, columns)`` light that is left where all is divided by `_TRIED` at least.
+    def left(self, light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> np.ndarray:
+        """``(tried, thetas, columns)`` light that is left where all is divided by `_TRIED` at least.
 
         Parameters
         ----------
@@ -340,12 +340,30 @@ class Cells:
             ``(rows, columns)`` of `Albedos.light`.
         thetas, divisor
             ``(n,)`` what light from polar angles is divided by in any case.
-        always
-            Otherwise None where no more than 1 is left without any of `_TRIED`.
         """
-        least = np.interp(self.incidence, thetas, divisor).astype(np.float32)
-        low, high = np.take(light, self.low, axis=0), np.take(light, self.high, axis=0)
-        if not always and ((self.below / least) @ low + (self.above / least) @ high).max(initial=0.0) <= 1.0:
-            return None
-        share = 1.0 / np.maximum(least, _TRIED[:, None].astype(np.float32))
-        return (share * self.below) @ low + (share * self.above) @ high
+        return self._left(*self._light(light, thetas, divisor), range(len(self.starts)))
+
+    def needed(self, light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> np.ndarray:
+        """``(thetas, columns)`` least divisors that leave at most 1 of the light, see `left`."""
+        seen, least = self._light(light, thetas, divisor)
+        undivided = np.add.reduceat(seen / least[:, None], self.starts, axis=0)
+        found = np.ones(undivided.shape)
+        asking = np.flatnonzero(undivided.max(-1) > 1.0)  # few viewers do
+        if len(asking):
+            found[asking] = needed(self._left(seen, least, asking))
+        return found
+
+    def _light(self, light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``(cells, columns)`` light, and what it is divided by in any case."""
+        seen = np.take(light, self.low, axis=0)
+        seen *= self.below[:, None]
+        above = np.take(light, self.high, axis=0)
+        above *= self.above[:, None]
+        seen += above
+        return seen, np.interp(self.incidence, thetas, divisor).astype(np.float32)
+
+    def _left(self, seen: np.ndarray, least: np.ndarray, asking: Iterable[int]) -> np.ndarray:
+        ends = np.append(self.starts[1:], len(seen))
+        tried = _TRIED[:, None].astype(np.float32)
+        parts = (slice(self.starts[k], ends[k]) for k in asking)
+        return np.stack([(1.0 / np.maximum(least[part], tried)) @ seen[part] for part in parts], axis=1)

@@ -14,7 +14,7 @@ import numpy as np
 from ..table import scaled_bound
 from ..table.scaled_albedo import albedo_ratios
 from ..table.table import SpectralTable
-from .energy import Albedos, Cells, needed
+from .energy import Albedos
 from .transforms import workers
 
 #: Wavelengths an octave, which the scales are whole steps of, and the width of rings of frequencies over their radius.
@@ -62,12 +62,12 @@ def scaled_bounds(
     def of_ratio(ratio: int) -> list[tuple[int, int, np.ndarray]]:
         """All wavelengths over scales that are ``few[0] / most_s 2^(ratio / _STEPS)`` have their cells in common."""
         cells = albedos.cells(few[0] / most_s * 2.0 ** (ratio / _STEPS), thetas, depths)
-        found = []
-        for scale, number in enumerate(ratio - steps):
-            if 0 <= number < len(few):
-                for depth, towards in enumerate(cells):
-                    found.append((scale, depth, _needed(towards, lights[number], thetas, divisors[scale, depth])))
-        return found
+        return [
+            (scale, depth, towards.needed(lights[number], thetas, divisors[scale, depth]))
+            for scale, number in enumerate(ratio - steps)
+            if 0 <= number < len(few)
+            for depth, towards in enumerate(cells)
+        ]
 
     bound = np.ones((n_scales, n_depths, len(thetas), scaled_bound.N_AZIMUTHS))
     with ThreadPoolExecutor(workers()) as pool:
@@ -82,13 +82,3 @@ def _wavelengths(first: float, last: float) -> np.ndarray:
     """As many as fit between two, evenly in their logarithm."""
     count = int(np.floor(_STEPS * np.log2(last / first))) + 1
     return np.sqrt(first * last) * 2.0 ** ((np.arange(count) - 0.5 * (count - 1)) / _STEPS)
-
-
-def _needed(towards: list[Cells], light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> np.ndarray:
-    """``(thetas, azimuths)`` least divisors that leave at most 1 of the light; few directions ask for one at all."""
-    found = np.ones((len(thetas), light.shape[1]))
-    lefts = [each.left(light, thetas, divisor, always=False) for each in towards]
-    asking = [k for k, each in enumerate(lefts) if each is not None]
-    if asking:
-        found[asking] = needed(np.stack([lefts[k] for k in asking], axis=1))
-    return found
