@@ -37,7 +37,7 @@ from .series import node_weights
 from .transforms import workers
 
 #: Wavelengths, polar angles, azimuths and sectors of the albedos of single wavelengths.
-_WAVELENGTHS, _THETAS, _AZIMUTHS, _SECTORS = 9, 23, 12, 48
+WAVELENGTHS, _THETAS, _AZIMUTHS, _SECTORS = 9, 23, 12, 48
 
 #: The last polar angle (radians).
 _THETA_LAST = np.radians(88.0)
@@ -116,7 +116,7 @@ def energy(
         Whether T is to be capped too.
     """
     albedos = Albedos(frequencies, means, nodes, kappa_max, layout, index, albedo)
-    lam = np.linspace(wavelengths[0], wavelengths[-1], _WAVELENGTHS)
+    lam = np.linspace(wavelengths[0], wavelengths[-1], WAVELENGTHS)
     at_nodes: list[np.ndarray | None] = [None] * len(lam)
     if gain is not None:
         at_nodes = [np.array([np.interp(x, wavelengths, row) for row in gain]) for x in lam]
@@ -273,17 +273,17 @@ class Albedos:
         area = np.add.reduceat(self._area[:count], starts)
         middle = np.add.reduceat(self._area[:count] * self._f[:count], starts) / area
         width = np.diff(np.append(starts, count)) * self._f[1]
-        r = (middle * wavelength)[:, None]
+        r = (middle * wavelength)[:, None].astype(np.float32)  # single precision, in which arc sines are quick, will do
         alpha = (np.arange(self._half) + 0.5) * self._delta
-        half_extent = 0.5 * np.hypot(width[:, None] * wavelength, r * self._delta)
-        sin_r = np.sin(thetas)[:, None, None]
-        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
+        half_extent = (0.5 * np.hypot(width[:, None] * wavelength, r * self._delta)).astype(np.float32)
+        sin_r = np.sin(thetas)[:, None, None].astype(np.float32)
+        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha).astype(np.float32) + sin_r**2, 0.0))
         # What lies outside of the horizon is left out: theta, and the place among (rings, half the sectors).
         reached = rho < 1.0 + half_extent
         of_theta, place = np.nonzero(reached.reshape(len(thetas), -1))
         rho = rho[reached]
         r, half_extent = (np.broadcast_to(each, reached.shape)[reached] for each in (r, half_extent))
-        cos_r = np.sqrt(1.0 - (np.sin(thetas)[of_theta] / n) ** 2)
+        cos_r = np.sqrt(1.0 - (np.sin(thetas) / n) ** 2).astype(np.float32)[of_theta]
         inside = np.minimum(rho, 1.0)
         incidence = np.arcsin(inside)
         cos_i = np.sqrt(1.0 - (inside / n) ** 2)
