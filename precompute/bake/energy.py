@@ -297,14 +297,12 @@ class Albedos:
         starts = np.searchsorted(of_theta, np.arange(len(thetas)))
         found = []
         for depth in depths:
-            # Below the last slice T goes on like |w|^power.
-            deep = weight * np.minimum(depth * w / self._slices[0], 1.0) ** self._layout.power
             position = self._layout.slice_coordinate(depth * w)
             lower = np.minimum(position.astype(int), len(self._slices) - 2)
-            above = (deep * (position - lower)).astype(np.float32)
+            above = (weight * (position - lower)).astype(np.float32)
             low = lower * (self.n_rings * self._half) + place
             high = low + self.n_rings * self._half
-            found.append(Cells(starts, low, high, deep.astype(np.float32) - above, above, incidence))
+            found.append(Cells(starts, low, high, weight.astype(np.float32) - above, above, incidence))
         return found
 
 
