@@ -16,8 +16,8 @@ FAST = (("CD", "OSL"), ("Corn Snake", "NODES"))
 #: of Mesa's software renderer says.
 HARMLESS = re.compile(
     r"CUEW|HIP|oneAPI|Metal|OptiX|ALSA|icon ID|Fra:"
-    r"|^EGL Error \(0x3009\): EGL_BAD_MATCH: Arguments are inconsistent \(for example, a valid context requires buffers not"
-    r" supplied by a valid surface\)\.$",
+    r"|^EGL Error \(0x3009\): EGL_BAD_MATCH: Arguments are inconsistent \(for example, a valid context requires"
+    r" buffers not supplied by a valid surface\)\.$",
     re.IGNORECASE,
 )
 
