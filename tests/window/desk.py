@@ -190,6 +190,13 @@ class Desk:
             time.sleep(0.1)
         time.sleep(0.2)
 
+    def stop(self):
+        """Esc, if anything is computed."""
+        if self.run("print(busy())") == "True":
+            self.over_view()
+            self.driver.key("ESC")
+            self.wait()
+
     def enter(self, what, text):
         """Type into a field."""
         self.driver.point(*self.find(what))
