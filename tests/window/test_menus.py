@@ -30,7 +30,7 @@ def test_other_channels_of_the_file(enabled, channels):
     enabled.run(f"with within('VIEW_3D', 'WINDOW'): {call}")
     enabled.open_sidebar()
     for number, high in ((1, "20 nm high"), (0, "24 nm high")):
-        enabled.press_below("diffraction.import_scan", lines=5)
+        enabled.press_near("diffraction.import_scan", 0.5, lines=5.3)
         enabled.shot("65_channels")
         enabled.pick(number)
         assert high in enabled.state("scan_info").replace("23.99", "24").replace("19.99", "20")
@@ -60,7 +60,7 @@ def test_kept_settings_come_back_from_their_menu(enabled, work, button, field, v
             enabled.driver.key("RET")
             enabled.settle()
         for index in (0, 1, 0):
-            enabled.press_right_of(f"diffraction.{button}", 0.82, share_of_it=0.9)
+            enabled.press_near(f"diffraction.{button}", 0.82, found_at=0.9)
             enabled.shot(f"67_{button}")
             enabled.pick(index)
             assert enabled.state(field) == pytest.approx(values[index])

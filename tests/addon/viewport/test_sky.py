@@ -193,3 +193,37 @@ def test_drawings_of_a_picture_share_the_directions(renderer, tmp_path):
         many = drawing.alone(renderer, 32, points=1)[inside]
     errors = [np.abs(each - many).mean() for each in drawn]
     assert np.abs(np.mean(drawn, 0) - many).mean() < 0.8 * np.mean(errors)  # the rest is the blur of the sky
+
+
+def test_a_window_waits_for_no_sky(blender):
+    """Of what takes long nothing is done in the window's thread; an image that holds nothing is asked for once."""
+    import threading
+    import time
+
+    from diffraction_shader.addon.gpu_context import ensure_gpu
+    from diffraction_shader.addon.viewport.data import sky
+
+    ensure_gpu()
+    where, asked = [], []
+    real = sky.levels
+
+    def levels(pixels):
+        where.append(threading.current_thread())
+        return real(pixels)
+
+    def read(one):
+        asked.append(one)
+        return None if one.path == "empty" else (np.ones((8, 16, 3), np.float32), np.zeros((0, 7), np.float32))
+
+    skies = sky.Skies(read)
+    flat = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sky, "levels", levels)
+        for path in ("full", "empty"):
+            one = sky.Sky("", path, (1,), flat, (1.0, 1.0, 1.0))
+            assert skies.get(one) is None
+            deadline = time.monotonic() + 60.0
+            while skies._make_soon(one) is not None and time.monotonic() < deadline:
+                time.sleep(0.01)
+            assert (skies.get(one) is None) is (path == "empty")
+    assert len(asked) == 2 and len(where) == 1 and where[0] is not threading.main_thread()
