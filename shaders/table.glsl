@@ -28,16 +28,19 @@ vec3 table_transform(vec2 uv, float w_abs)
 {
     float column = min(df_surface.radial.x * arsinh(length(uv) * df_surface.radial.y), df_surface.radial.z);
     float row = turns(uv) * df_surface.radial.w;
-    float position = clamp(df_surface.slices.x * (arsinh(w_abs * df_surface.slices.y) - df_surface.slices.z), 0.0,
-                           df_surface.slices.w);
+    // Between the first two slices the coordinate is that of 1 / w: a constant T, as a mirror has it, stays so. Below slice
+    // 0 T is that of slice 0. The smallest w and the share stand in spare numbers.
+    float w_min = df_surface.conductor_n.w, w = max(w_abs, w_min), first = (1.0 - w_min / w) * df_surface.conductor_k.w;
+    float position = max(df_surface.slices.x * (arsinh(w * df_surface.slices.y) - df_surface.slices.z), min(first, 1.0));
+    position = min(position, df_surface.slices.w);
     float lower = min(floor(position), df_surface.slices.w - 1.0);
     vec2 at = vec2(column + 0.5, row + 1.5) * df_surface.texel.xy;
     vec3 below = textureLod(df_table, vec3(at, lower), 0.0).rgb;
     vec3 above = textureLod(df_table, vec3(at, lower + 1.0), 0.0).rgb;
 #ifdef LINEAR_IN_W
-    return mix(below, above, position - lower) * (df_surface.value.x * w_abs);
+    return mix(below, above, position - lower) * (df_surface.value.x * w);
 #else
-    return mix(below, above, position - lower) * (df_surface.value.x * pow(w_abs, df_surface.value.y));
+    return mix(below, above, position - lower) * (df_surface.value.x * pow(w, df_surface.value.y));
 #endif
 }
 

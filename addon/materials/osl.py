@@ -56,6 +56,7 @@ def source(layout: TableLayout, albedo_max: float, albedo_free: float = 2.0) -> 
     for name in ("N_SCALES", "STEPS", "N_THETA", "N_PHI"):
         numbers[f"SCALED_{name}"] = float(getattr(scaled_albedo, name))
     numbers.update({f"SCALED_DEPTH_{i}": value for i, value in enumerate(scaled_albedo.DEPTHS)})
+    numbers["TABLE_FIRST_SHARE"] = layout.first_share
     numbers["TABLE_IS_LINEAR_IN_W"] = int(layout.power == 1.0)
     for name in (
         "N_VIEWS",

@@ -24,6 +24,7 @@ Kirchhoff integral, which is why that is not the default.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
@@ -36,7 +37,7 @@ from .series import node_weights
 from .transforms import workers
 
 #: Wavelengths, polar angles, azimuths and sectors of the albedos of single wavelengths.
-_WAVELENGTHS, _THETAS, _AZIMUTHS, _SECTORS = 9, 23, 12, 48
+WAVELENGTHS, _THETAS, _AZIMUTHS, _SECTORS = 9, 23, 12, 48
 
 #: The last polar angle (radians).
 _THETA_LAST = np.radians(88.0)
@@ -115,7 +116,7 @@ def energy(
         Whether T is to be capped too.
     """
     albedos = Albedos(frequencies, means, nodes, kappa_max, layout, index, albedo)
-    lam = np.linspace(wavelengths[0], wavelengths[-1], _WAVELENGTHS)
+    lam = np.linspace(wavelengths[0], wavelengths[-1], WAVELENGTHS)
     at_nodes: list[np.ndarray | None] = [None] * len(lam)
     if gain is not None:
         at_nodes = [np.array([np.interp(x, wavelengths, row) for row in gain]) for x in lam]
@@ -224,12 +225,19 @@ class Albedos:
         gain
             ``(n_w,)`` factor of T at the slices.
         """
-        return self.scaled_parts(wavelength, self.light(wavelength, gain), self.thetas, self._divisor)
+        rows = self.light(wavelength, gain).reshape(-1, _AZIMUTHS)
+        (cells,) = self.cells(wavelength, self.thetas)
+        return cells.left(rows, self.thetas, self._divisor)
+
+    @property
+    def n_rings(self) -> int:
+        return len(self._starts)
 
     def light(self, wavelength: float, gain: np.ndarray | None = None, scale: float = 1.0) -> np.ndarray:
-        """``(n_w, rings, half the sectors, azimuths)`` T du dv over `_delta` of one wavelength and its mirror image.
+        """``(n_w, n_rings, half the sectors, azimuths)`` T du dv over `_delta` of one wavelength and its mirror image.
 
-        Of all rings that a surface stretched by `scale` or less can send out; a scale and depth move its places alone.
+        Of all rings that a surface stretched by `scale` or less can send out, the others dark; a scale and depth move
+        its places alone.
         """
         weights = node_weights(self._nodes, self._kappa_max, 2.0 * np.pi * self._slices / wavelength)
         if gain is not None:
@@ -239,51 +247,45 @@ class Albedos:
         light = (weights.astype(np.float32) @ lit.reshape(len(lit), -1)).reshape(len(weights), *lit.shape[1:])
         np.maximum(light, 0.0, out=light)
         light = np.add.reduceat(light, starts, axis=1)  # (n_w, rings, sectors): lambda^2 T du dv / (lambda^2 delta)
-        return (light[:, :, self._ahead] + light[:, :, self._behind]) * self._doubled
+        out = np.zeros((len(weights), self.n_rings, self._half, _AZIMUTHS), np.float32)
+        out[:, : len(starts)] = (light[:, :, self._ahead] + light[:, :, self._behind]) * self._doubled
+        return out
 
     def _reach(self, wavelength: float) -> tuple[int, np.ndarray]:
         """How many frequencies a wavelength sends out, and the first ones of their rings."""
         count = int(np.searchsorted(self._f * wavelength, 2.0, side="right"))
         return count, self._starts[self._starts < count]
 
-    def scaled_parts(
-        self,
-        wavelength: float,
-        light: np.ndarray,
-        thetas: np.ndarray,
-        divisor: np.ndarray,
-        scale: float = 1.0,
-        depth: float = 1.0,
-    ) -> np.ndarray:
-        """`parts` of the surface stretched by `scale` and deepened by `depth`: ``T'(u, v, w) = s^2 T(s u, s v, q w)``.
+    def cells(self, wavelength: float, thetas: np.ndarray, depths: Sequence[float] = (1.0,)) -> list[Cells]:
+        """What reaches viewers, for each depth: ``T'(u, v, w) = s^2 T(s u, s v, q w)``.
 
         Parameters
         ----------
         wavelength
-            Metres.
-        light
-            What `light` made of it.
+            Metres, over the scale of the surface: longer waves see a surface as they do a smaller one.
         thetas
             ``(n,)`` polar angles of the viewer.
-        divisor
-            ``(n,)`` what light towards them is divided by in any case.
-        scale, depth
+        depths
             Of the surface.
         """
         n = self._index
-        count, starts = self._reach(wavelength / scale)
-        light = light[:, : len(starts)]
-        rows = light.reshape(-1, _AZIMUTHS)
+        count, starts = self._reach(wavelength)
         area = np.add.reduceat(self._area[:count], starts)
         middle = np.add.reduceat(self._area[:count] * self._f[:count], starts) / area
         width = np.diff(np.append(starts, count)) * self._f[1]
-        r = (middle * (wavelength / scale))[:, None]
+        r = (middle * wavelength)[:, None].astype(np.float32)  # single precision, in which arc sines are quick, will do
         alpha = (np.arange(self._half) + 0.5) * self._delta
-        half_extent = 0.5 * np.hypot(width[:, None] * (wavelength / scale), r * self._delta)
-        sin_r = np.sin(thetas)[:, None, None]
-        cos_r = np.sqrt(1.0 - (sin_r / n) ** 2)
-        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
+        half_extent = (0.5 * np.hypot(width[:, None] * wavelength, r * self._delta)).astype(np.float32)
+        sin_r = np.sin(thetas)[:, None, None].astype(np.float32)
+        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha).astype(np.float32) + sin_r**2, 0.0))
+        # What lies outside of the horizon is left out: theta, and the place among (rings, half the sectors).
+        reached = rho < 1.0 + half_extent
+        of_theta, place = np.nonzero(reached.reshape(len(thetas), -1))
+        rho = rho[reached]
+        r, half_extent = (np.broadcast_to(each, reached.shape)[reached] for each in (r, half_extent))
+        cos_r = np.sqrt(1.0 - (np.sin(thetas) / n) ** 2).astype(np.float32)[of_theta]
         inside = np.minimum(rho, 1.0)
+        incidence = np.arcsin(inside)
         cos_i = np.sqrt(1.0 - (inside / n) ** 2)
         if n > 1.0:
             inverse = np.clip(0.5 + (1.0 - rho) / (2.0 * half_extent), 0.0, 1.0) / cos_i
@@ -292,16 +294,74 @@ class Albedos:
             inverse /= 2.0 * half_extent
         w = n * (cos_i + cos_r)
         weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
-        # Below the last slice T goes on like |w|^power.
-        weight *= np.minimum(depth * w / self._slices[0], 1.0) ** self._layout.power
-        position = self._layout.slice_coordinate(depth * w)
-        lower = np.minimum(position.astype(int), len(self._slices) - 2)
-        blend = position - lower
-        cells = light.shape[1] * self._half
-        place = lower * cells + np.arange(cells).reshape(-1, self._half)
-        found = np.take(rows, place, axis=0) * (weight * (1.0 - blend))[..., None].astype(np.float32)
-        above = np.take(rows, place + cells, axis=0)
-        found += above * (weight * blend)[..., None].astype(np.float32)
-        least = np.interp(np.arcsin(inside), thetas, divisor)
-        divided = (1.0 / np.maximum(least.reshape(len(thetas), 1, -1), _TRIED[:, None])).astype(np.float32)
-        return np.moveaxis(divided @ found.reshape(len(thetas), -1, _AZIMUTHS), 1, 0)
+        starts = np.searchsorted(of_theta, np.arange(len(thetas)))
+        found = []
+        for depth in depths:
+            position = self._layout.slice_coordinate(depth * w)
+            lower = np.minimum(position.astype(int), len(self._slices) - 2)
+            above = (weight * (position - lower)).astype(np.float32)
+            low = lower * (self.n_rings * self._half) + place
+            high = low + self.n_rings * self._half
+            found.append(Cells(starts, low, high, weight.astype(np.float32) - above, above, incidence))
+        return found
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Where the light towards viewers comes from; ``(cells,)`` each, polar angle by polar angle.
+
+    Parameters
+    ----------
+    starts
+        ``(thetas,)`` the first cell of each; every viewer has one, its own mirror image.
+    low, high
+        Rows of `Albedos.light`, flat but for the azimuths: of the slice below and of the one above.
+    below, above
+        What their light is weighed by.
+    incidence
+        Polar angle of the light (radians).
+    """
+
+    starts: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    below: np.ndarray
+    above: np.ndarray
+    incidence: np.ndarray
+
+    def left(self, light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> np.ndarray:
+        """``(tried, thetas, columns)`` light that is left where all is divided by `_TRIED` at least.
+
+        Parameters
+        ----------
+        light
+            ``(rows, columns)`` of `Albedos.light`.
+        thetas, divisor
+            ``(n,)`` what light from polar angles is divided by in any case.
+        """
+        return self._left(*self._light(light, thetas, divisor), range(len(self.starts)))
+
+    def needed(self, light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> np.ndarray:
+        """``(thetas, columns)`` least divisors that leave at most 1 of the light, see `left`."""
+        seen, least = self._light(light, thetas, divisor)
+        undivided = np.add.reduceat(seen / least[:, None], self.starts, axis=0)
+        found = np.ones(undivided.shape)
+        asking = np.flatnonzero(undivided.max(-1) > 1.0)  # few viewers do
+        if len(asking):
+            found[asking] = needed(self._left(seen, least, asking))
+        return found
+
+    def _light(self, light: np.ndarray, thetas: np.ndarray, divisor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """``(cells, columns)`` light, and what it is divided by in any case."""
+        seen = np.take(light, self.low, axis=0)
+        seen *= self.below[:, None]
+        above = np.take(light, self.high, axis=0)
+        above *= self.above[:, None]
+        seen += above
+        return seen, np.interp(self.incidence, thetas, divisor).astype(np.float32)
+
+    def _left(self, seen: np.ndarray, least: np.ndarray, asking: Iterable[int]) -> np.ndarray:
+        ends = np.append(self.starts[1:], len(seen))
+        tried = _TRIED[:, None].astype(np.float32)
+        parts = (slice(self.starts[k], ends[k]) for k in asking)
+        return np.stack([(1.0 / np.maximum(least[part], tried)) @ seen[part] for part in parts], axis=1)

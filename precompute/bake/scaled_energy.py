@@ -13,11 +13,11 @@ import numpy as np
 from ..table import scaled_bound
 from ..table.scaled_albedo import albedo_ratios
 from ..table.table import SpectralTable
-from .energy import Albedos, needed
+from .energy import WAVELENGTHS, Albedos
 from .transforms import workers
 
-#: Wavelengths, and the width of rings of frequencies over their radius.
-_WAVELENGTHS, _RING = 9, 0.06
+#: Width of rings of frequencies over their radius.
+_RING = 0.06
 
 
 def scaled_bounds(
@@ -44,23 +44,27 @@ def scaled_bounds(
     layout, thetas = table.layout, scaled_bound.THETAS
     albedos = Albedos(frequencies, means, nodes, kappa_max, layout, layout.index, None, _RING)
     most_s, most_q = layout.headroom
-    pairs = [(most_s * s, most_q * q) for s in scaled_bound.SCALES for q in scaled_bound.DEPTHS]
+    n_scales, n_depths = len(scaled_bound.SCALES), len(scaled_bound.DEPTHS)
+    depths = [most_q * q for q in scaled_bound.DEPTHS]
+    pairs = [(most_s * s, q) for s in scaled_bound.SCALES for q in depths]
     tile_theta = np.arange(layout.n_theta) * (0.5 * np.pi / (layout.n_theta - 1))
     tile_phi = np.arange(scaled_bound.N_AZIMUTHS) * layout.n_albedo_phi // scaled_bound.N_AZIMUTHS
     own = np.stack([np.interp(thetas, tile_theta, row) for row in albedo[tile_phi]], -1)
-    divisors = np.maximum((own * albedo_ratios(table, pairs)).min(-1), 1.0)
-    few = np.linspace(wavelengths[0], wavelengths[-1], _WAVELENGTHS)
+    divisors = np.maximum((own * albedo_ratios(table, pairs)).min(-1), 1.0).reshape(n_scales, n_depths, -1)
+    few = np.linspace(wavelengths[0], wavelengths[-1], WAVELENGTHS)
 
     def of_wavelength(wavelength: float) -> np.ndarray:
         at = None if gain is None else np.array([np.interp(wavelength, wavelengths, row) for row in gain])
-        light = albedos.light(wavelength, at, most_s)
-        return np.stack(
-            [
-                needed(albedos.scaled_parts(wavelength, light, thetas, divisor, *pair))
-                for pair, divisor in zip(pairs, divisors, strict=True)
-            ]
-        )
+        light = albedos.light(wavelength, at, most_s).reshape(-1, scaled_bound.N_AZIMUTHS)
+        found = [
+            [each.needed(light, thetas, divisor) for each, divisor in zip(cells, at_scale, strict=True)]
+            for cells, at_scale in zip(
+                (albedos.cells(wavelength / (most_s * s), thetas, depths) for s in scaled_bound.SCALES),
+                divisors,
+                strict=True,
+            )
+        ]
+        return np.array(found)
 
     with ThreadPoolExecutor(workers()) as pool:
-        found = np.stack(list(pool.map(of_wavelength, few))).max(0)
-    return found.reshape(len(scaled_bound.SCALES), len(scaled_bound.DEPTHS), *found.shape[1:])
+        return np.stack(list(pool.map(of_wavelength, few))).max(0)

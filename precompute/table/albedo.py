@@ -107,7 +107,7 @@ def albedo_map(
         w = index * (cos_i + cos_r)
         # wi.wr + 1 = |wi + wr|^2 / 2 = (r^2 + w^2) / 2, inside a lacquer with r / n and w / n
         weight = (0.5 * (r**2 + w**2) / index**2) ** 2 / (cos_r * (w / index) ** 2) * inverse_cos * area
-        factor = weight * w**layout.power
+        factor = weight * layout.gain(w)
         position = layout.slice_coordinate(w)
         lower = np.minimum(position.astype(int), layout.n_w - 2)
         blend = position - lower

@@ -376,7 +376,7 @@ def _masses(
     cell = solid_angle * np.diff(edges**2) * (2.0 * np.pi / sectors)
     w = cos_i + cos_r
     # 1 + wi.wr = |wi + wr|^2 / 2, with wi + wr = -(u, v, w).
-    gain = ((r**2 + w**2) / 2.0) ** 2 / (cos_r * w**2) * (layout.scale * (depth * w) ** layout.power) * cell
+    gain = ((r**2 + w**2) / 2.0) ** 2 / (cos_r * w**2) * (layout.scale * layout.gain(depth * w)) * cell
 
     position, column = layout.slice_coordinate(depth * w), layout.column(r)
     lower, left = np.minimum(position.astype(int), layout.n_w - 2), np.minimum(column.astype(int), layout.n_r - 2)

@@ -214,8 +214,24 @@ class TableLayout:
         return np.where(row >= self.n_phi, 0.0, row)
 
     def slice_coordinate(self, w: np.ndarray) -> np.ndarray:
-        """Slice coordinate of |w|, clamped to the grid."""
-        return np.clip(self.a_w * (np.arcsinh(np.abs(w) / self.w0) - self.s_w), 0.0, self.n_w - 1.0)
+        """Slice coordinate of |w|, clamped to the grid.
+
+        Seen so flatly that |w| vanishes every surface is a mirror, whose T is the same for all w. Between the first two
+        slices the coordinate is therefore that of 1 / |w|, which leaves a constant T as it is.
+        """
+        w = np.abs(w)
+        first = (1.0 - self.w_min / np.maximum(w, self.w_min)) * self.first_share
+        coordinate = np.maximum(self.a_w * (np.arcsinh(w / self.w0) - self.s_w), np.minimum(first, 1.0))
+        return np.minimum(coordinate, self.n_w - 1.0)
+
+    @property
+    def first_share(self) -> float:
+        """What ``1 - w_min / |w|`` is multiplied by to be 1 at slice 1."""
+        return 1.0 / (1.0 - self.w_min / float(self.slices[1]))
+
+    def gain(self, w: np.ndarray) -> np.ndarray:
+        """What texels are multiplied by, but for `scale`: |w|^power, below slice 0 that of slice 0."""
+        return np.maximum(np.abs(w), self.w_min) ** self.power
 
     def tile_origin(self, index: int) -> tuple[int, int]:
         """Texel (x, y) of the lower left corner of slice ``index``, guard row included."""

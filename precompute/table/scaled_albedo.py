@@ -230,7 +230,7 @@ class _Sums:
             inverse /= 2.0 * half_extent
         w = n * (cos_i + cos_r)
         weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
-        weight *= (depth * w) ** layout.power
+        weight *= layout.gain(depth * w)
         position = layout.slice_coordinate(depth * w)
         lower = np.minimum(position.astype(int), layout.n_w - 2)
         blend = (position - lower).reshape(len(thetas), -1)

@@ -60,7 +60,7 @@ class SpectralTable:
         lower = np.minimum(position.astype(int), layout.n_w - 2)
         blend = (position - lower)[..., None]
         value = (1.0 - blend) * self._slice(lower, column, row) + blend * self._slice(lower + 1, column, row)
-        return value * (layout.scale * np.abs(w) ** layout.power)[..., None]
+        return value * (layout.scale * layout.gain(w))[..., None]
 
     def _slice(self, index: np.ndarray, column: np.ndarray, row: np.ndarray) -> np.ndarray:
         x = (index % self.layout.tile_columns) * self.layout.n_r + column

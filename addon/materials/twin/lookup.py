@@ -107,7 +107,11 @@ def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.
     # phi = angle + pi in (0, 2 pi]; the row after the last one repeats the first.
     y = graph.fused(turn, layout.n_phi / (2.0 * math.pi * height), (1.5 + 0.5 * layout.n_phi) / height)
     position, offset = _log_arsinh(graph, w, graph.product(w, w), layout.w0, layout.a_w)
-    position = graph.clamp(graph.sum(position, offset - layout.a_w * layout.s_w), 0.0, layout.n_w - 1.0)
+    position = graph.sum(position, offset - layout.a_w * layout.s_w)
+    # Between the first two slices it is that of 1 / |w|: a constant T, as a mirror has it, stays so.
+    over = graph.quotient(layout.w_min, w)
+    first = graph.clamp(graph.fused(over, -layout.first_share, layout.first_share), 0.0, 1.0)
+    position = graph.math("MINIMUM", graph.math("MAXIMUM", position, first), layout.n_w - 1.0)
     lower = graph.math("MINIMUM", graph.math("FLOOR", position), layout.n_w - 2.0)
     columns, step = float(layout.tile_columns), layout.tile_height / height
     if layout.width == layout.tile_columns * layout.n_r:  # tiles fill the atlas: its repetition wraps the columns
@@ -123,7 +127,10 @@ def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.
         tile_row = graph.math("FLOOR", graph.fused(lower, 1.0 / columns, each / columns))
         place = graph.join(place_x, graph.fused(tile_row, step, y), 0.0)
         values.append(graph.group(found, Place=place, EEVEE=given["EEVEE"]).outputs["Value"])
-    value = graph.mix(graph.difference(position, lower), *values)
+    below = graph.math("MAXIMUM", over, 1.0)  # below slice 0 T is that of slice 0
+    if layout.power != 1.0:
+        below = graph.math("POWER", below, layout.power)
+    value = graph.scaled(graph.mix(graph.difference(position, lower), *values), below)
     graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
     return tree
 

@@ -181,7 +181,7 @@ class Surface:
         rows[3] = 1.0 / layout.n_r, 1.0 / layout.tile_height, 0.5 * (ALBEDO_SIDE - 1) / ALBEDO_SIDE, self.scale
         rows[4:7, :3] = self.to_rgb
         rows[7] = self.depth, self.ior, self.mask_factor, self.brightness
-        rows[8, :3], rows[9, :3] = self.conductor_n, self.conductor_k
+        rows[8], rows[9] = (*self.conductor_n, layout.w_min), (*self.conductor_k, layout.first_share)
         rows[10] = np.cos(self.rotation), np.sin(self.rotation), self.mask, self.rotation
         rows[11, 3] = float(self.mask_alpha)
         if self.pigment is not None:

@@ -151,9 +151,10 @@ def test_spread_equals_its_tiles(blender, blazed, implementation, spread, count)
 def test_nodes_equal_osl_under_a_spread(blender, blazed, data):
     plane = on_plane(blazed)
     area(PLACE, (0, 0, 0), size=2, **data)
-    by_osl = scenes.render(16, 256).mean((0, 1))
+    # Means of eight seeds agree to 0.7 %; at 256 samples the difference of two varies by 2.5 %, at 1024 by 1.2 %.
+    by_osl = scenes.render(16, 1024).mean((0, 1))
     materials.diffracting(plane, blazed, "NODES", fresnel="CONDUCTOR", environment=0)
-    assert scenes.render(16, 256).mean((0, 1)) == pytest.approx(by_osl, rel=0.05)
+    assert scenes.render(16, 1024).mean((0, 1)) == pytest.approx(by_osl, rel=0.05)
 
 
 @pytest.mark.slow

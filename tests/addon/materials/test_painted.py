@@ -122,7 +122,7 @@ def furnace(path, implementation, wr, scale, depth, samples, **settings):
     return scenes.render(32, samples)
 
 
-@pytest.mark.parametrize(("scale", "depth", "theta"), [(0.6, 0.7, 20), (0.8, 1.0, 60), (1.2, 0.9, 40)])
+@pytest.mark.parametrize(("scale", "depth", "theta"), [(0.6, 0.7, 20), (0.8, 1.0, 60), (1.2, 0.9, 40), (0.8, 0.09, 20)])
 @pytest.mark.parametrize("implementation", ["OSL", "NODES"])
 def test_a_white_furnace_equals_the_quadrature(blender, foil, implementation, scale, depth, theta):
     table, path = foil

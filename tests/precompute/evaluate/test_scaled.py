@@ -200,6 +200,14 @@ def test_tiles_of_albedo_hold_at_least_what_conserves_energy(table, s, q):
     assert ratio.mean() < 1.08
 
 
+@pytest.mark.parametrize("name", ["sinusoid", "foil"])
+def test_next_to_no_depth_is_a_mirror(name):
+    """All light comes back, and none is made, where the table's slices are far apart from each other."""
+    own = bake(make_preset(name, 24e-6, 256), BakeParameters(sigma_s_m=1.5e-6, level="none"))
+    for depth in (0.15, 0.11, 0.09, 0.07, 0.05, 0.03, 0.01):
+        assert 0.85 < ScaledTable(own, 0.8, depth).albedo(from_angles(np.radians(20.0), 1.0)) < 1.02, depth
+
+
 @pytest.mark.parametrize(("s", "q"), [(0.8, 1.0), (0.8, 0.8), (1.0, 0.6)])
 @pytest.mark.parametrize(("substrate", "films"), [("au", []), ("al", ["1.46:500"])])
 def test_a_stack_of_few_films_is_corrected(substrate, films, s, q):
