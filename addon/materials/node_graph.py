@@ -161,9 +161,13 @@ class Graph:
 
     @property
     def unit(self) -> Socket:
-        """A constant vector (0, 0, 1), for sockets that mean something else where nothing is linked."""
+        """A vector of length 1, for sockets that mean something else where nothing is linked.
+
+        No constant: Blender, which unrolls groups before it hands them to Cycles, adds a node for each socket without a
+        field that a constant is linked to, and compares its name with those of all others.
+        """
         if self._unit is None:
-            self._unit = self.join(0.0, 0.0, 1.0)
+            self._unit = self.add("ShaderNodeNewGeometry").outputs["Incoming"]
         return self._unit
 
     def group(self, tree: bpy.types.NodeTree, **values: Value) -> bpy.types.Node:
