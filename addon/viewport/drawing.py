@@ -188,15 +188,18 @@ class Renderer:
         try:
             rows = self._uniform(("frame",), frame.rows())
             shader: Any = None
-            bound, facing = 0, ""
+            bound, facing, drawn = 0, "", 0
             replaces = view.surface == "REPLACE"
             for item in listing.items:
-                if shader is None or item.uid != bound:
+                if item.uid != bound:
                     bound = item.uid
                     shader = self._bind(item.material, view, shared, any(around.ambient), sky, wait=not through_display)
-                    shader.uniform_block("df_frame", rows)
-                    if through_display:
-                        shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
+                    if shader is not None:
+                        shader.uniform_block("df_frame", rows)
+                        if through_display:
+                            shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
+                if shader is None:
+                    continue
                 # Nothing is added to a surface's back.
                 culled = "NONE" if replaces else "FRONT" if item.mirrored else "BACK"
                 if culled != facing:
@@ -204,23 +207,31 @@ class Renderer:
                     gpu.state.face_culling_set(culled)
                 shader.uniform_float("df_model", item.matrix)
                 item.batch.draw(shader)
+                drawn += 1
         finally:
             gpu.state.face_culling_set("NONE")
             gpu.state.blend_set(state[0])
             gpu.state.depth_test_set(state[1])
             gpu.state.depth_mask_set(state[2])
-        return len(listing.items)
+        return drawn
 
     def _bind(
         self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool, sky: Any, wait: bool
     ) -> Any:
-        """The shader of a material, with all that it reads."""
+        """The shader of a material, with all that it reads; None while a thread reads its table."""
         import gpu
 
         path = looks.table_path(shaded)
-        table = self.tables.get(path)
+        table = self.tables.get(path, wait)
+        if table is None:
+            return None
         look = looks.surface(shaded, table.layout, table.info, view)
         flags = shared | look.flags(ambient)
+        tiles = None
+        if "SCALED" in flags and flags & {"CONSERVE", "AMBIENT"}:
+            tiles = self.tables.tiles(path, wait)
+            if tiles is None:
+                return None
         directions = None
         if sky is not None and view.method == "TABLE":
             if look.environment:
@@ -234,8 +245,8 @@ class Renderer:
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
-            if "SCALED" in flags:
-                shader.uniform_sampler("df_tiles", self.tables.tiles(path))
+            if tiles is not None:
+                shader.uniform_sampler("df_tiles", tiles)
             else:
                 shader.uniform_sampler("df_albedo", table.albedo)
         if "SKYLIT" in flags:
