@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How long the window stands still while the extension works, beside a redraw of the same window without it.
 
-Prints a table and writes it to out/window/freezes.md. What is asserted is the work of Blender's main thread, which other
-programs of the machine do not lengthen: nothing beyond a redraw of the same window may take a fifth of a second.
+Prints a table and writes it to out/window/freezes.md. What is asserted is the work of Blender's main thread, which
+other programs of the machine do not lengthen: nothing beyond a redraw of the same window may take a fifth of a second.
 """
 
 import math
