@@ -47,15 +47,19 @@ vec3 sky_radiance(vec3 direction, float solid_angle)
 #endif
 
 #ifdef SKY
-// The row of the densities that belongs to the stored view nearest to wr, and a third of dr / ds at its specular peak.
-float sky_view(vec3 wr, out float slope)
+// The row of the densities that belongs to the stored view nearest to wr in a set, and a third of dr / ds at its specular
+// peak.
+float sky_view(vec3 wr, float chosen, out float slope)
 {
+    float most = chosen > 0.0 ? IMPORTANCE_AZIMUTHS_SETS : IMPORTANCE_AZIMUTHS_MAX;
     float i = floor(log((1.0 + length(wr.xy)) / wr.z) * (IMPORTANCE_N_VIEWS / IMPORTANCE_VIEW_END) + 0.5);
     i = min(i, IMPORTANCE_N_VIEWS - 1.0);
-    float full = IMPORTANCE_AZIMUTHS_MAX / IMPORTANCE_AZIMUTHS_STEP, below = min(i, full);
-    float count = clamp(IMPORTANCE_AZIMUTHS_STEP * i, 1.0, IMPORTANCE_AZIMUTHS_MAX);
+    float full = most / IMPORTANCE_AZIMUTHS_STEP, below = min(i, full);
+    float count = clamp(IMPORTANCE_AZIMUTHS_STEP * i, 1.0, most);
     float first = i > 0.0 ? 1.0 + 0.5 * IMPORTANCE_AZIMUTHS_STEP * below * (below - 1.0) : 0.0;
-    first += IMPORTANCE_AZIMUTHS_MAX * (i - below);
+    first += most * (i - below);
+    if (chosen > 0.0)
+        first += IMPORTANCE_FIRST_VIEWS + IMPORTANCE_SET_VIEWS * (chosen - 1.0);
     float j = floor(turns(wr.xy) * count + 0.5);
     slope = min(2.0 / (1.0 + exp((i + 0.5) * (2.0 * IMPORTANCE_VIEW_END / IMPORTANCE_N_VIEWS))), 2.0 / 3.0);
     return first + (j >= count ? 0.0 : j);
@@ -82,6 +86,26 @@ vec3 sky_direction(vec3 wr, float row, float slope, vec2 xi, out float gain)
     return vec3(-r * cos_phi - wr.x, -r * sin_phi - wr.y, t * rest);
 }
 
+#ifdef SCALED
+// Number of the set of views for the depth of the surface; see `depth_set` in importance.py.
+float sky_set(float cos_r, float s, float depth)
+{
+    float sine2 = 1.0 - IMPORTANCE_SET_COSINE * IMPORTANCE_SET_COSINE, judged = depth;
+    if (s < 1.0)
+        judged *= (cos_r + IMPORTANCE_SET_COSINE)
+                  / (sqrt(1.0 - s * s * (1.0 - cos_r * cos_r)) + sqrt(1.0 - s * s * sine2));
+    return clamp(floor((1.0 - judged) / IMPORTANCE_DEPTH_STEP + 0.5), 0.0, IMPORTANCE_SETS - 1.0);
+}
+
+// How much of the probability can lie above the horizon of a surface stretched by s < 1; see `cut` in importance.py.
+float sky_within(float row, float cos_r, float s)
+{
+    float sine = sqrt(max(1.0 - cos_r * cos_r, 0.0)), ratio = s * (1.0 + sine) / (1.0 + s * sine);
+    float place = min(ceil((0.5 - sin(asin(1.0 - 2.0 * ratio) / 3.0)) * (IMPORTANCE_CUTS - 1.0)), IMPORTANCE_CUTS - 1.0);
+    return texelFetch(df_importance, ivec2(IMPORTANCE_WIDTH - IMPORTANCE_CUTS + place, row), 0).r;
+}
+#endif
+
 // A part of the sphere for each direction of a drawing, or of all drawings that make a mean where that is gathered.
 #ifdef GATHERS
 #define SKY_DRAWINGS 8
@@ -103,12 +127,17 @@ vec3 sky_light(mat3 frame, vec3 wr, float albedo_r)
     float s = min(scaled_here.x, 1.0);
     vec3 viewer = vec3(s * wr.xy, 0.0);
     viewer.z = s < 1.0 ? sqrt(max(1.0 - dot(viewer.xy, viewer.xy), 0.0)) : wr.z;
+    float slope, row = sky_view(viewer, sky_set(wr.z, s, scaled_here.y), slope), gain;
+    float within = s < 1.0 ? sky_within(row, wr.z, s) : 1.0;
 #else
     vec3 viewer = wr;
+    float slope, row = sky_view(viewer, 0.0, slope), gain;
+    const float within = 1.0;
 #endif
-    float slope, row = sky_view(viewer, slope), gain;
     for (int i = 0; i < SKY; i++) {
-        vec3 wi = sky_direction(viewer, row, slope, sky_places(i), gain);
+        vec2 xi = sky_places(i);
+        vec3 wi = sky_direction(viewer, row, slope, vec2(xi.x * within, xi.y), gain);
+        gain *= within;
 #ifdef SCALED
         if (s < 1.0) {
             vec2 place = (wi.xy + viewer.xy) / s - wr.xy;

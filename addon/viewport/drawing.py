@@ -238,8 +238,8 @@ class Renderer:
         display = self.display.texture(depsgraph.scene.original) if through_display else None
         with _state("NONE" if view.surface == "REPLACE" else "ADDITIVE", writes_depth=False):
             uniform = self._uniform(("frame",), frame.rows())
-            self._draw_items(listing, view, shared, uniform, lights, display, wait=not through_display)
-        return len(listing.items)
+            drawn, _ = self._draw_items(listing, view, shared, uniform, lights, display, wait=not through_display)
+        return drawn
 
     def _gathered(
         self, key: Hashable, state: Hashable, listing: _Listing, frame: blocks.Frame, view: View, sky: Any, wait: bool
@@ -260,28 +260,32 @@ class Renderer:
                 gpu.state.active_framebuffer_get().clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
                 lights = _Lights(False, sky, (before, x, y, 1.0 / (number + 1.0)), gathers=True)
                 flags = frozenset(without.flags())
-                held.end(self._draw_items(listing, view, flags, uniform, lights, None, wait))
+                _, read = self._draw_items(listing, view, flags, uniform, lights, None, wait)
+                held.end(read)
         return (held.mean, x, y, 0.0) if held.count else None
 
     def _draw_items(
         self, listing: _Listing, view: View, shared: frozenset[str], frame: Any, lights: _Lights, display: Any,
         wait: bool,
-    ) -> tuple:  # fmt: skip
-        """Draw all pieces; the textures that decide which directions they look in."""
+    ) -> tuple[int, tuple]:  # fmt: skip
+        """Draw all pieces: their number, and the textures that decide which directions they look in."""
         import gpu
 
         shader: Any = None
-        bound, facing = 0, ""
+        bound, facing, drawn = 0, "", 0
         read: list[tuple] = []
         replaces = view.surface == "REPLACE"
         for item in listing.items:
-            if shader is None or item.uid != bound:
+            if item.uid != bound:
                 bound = item.uid
                 shader, textures = self._bind(item.material, view, shared, lights, wait)
                 read.append(textures)
-                shader.uniform_block("df_frame", frame)
-                if display is not None:
-                    shader.uniform_sampler("df_display", display)
+                if shader is not None:
+                    shader.uniform_block("df_frame", frame)
+                    if display is not None:
+                        shader.uniform_sampler("df_display", display)
+            if shader is None:
+                continue
             # Nothing is added to a surface's back.
             culled = "NONE" if replaces else "FRONT" if item.mirrored else "BACK"
             if culled != facing:
@@ -289,18 +293,29 @@ class Renderer:
                 gpu.state.face_culling_set(culled)
             shader.uniform_float("df_model", item.matrix)
             item.batch.draw(shader)
-        return tuple(read)
+            drawn += 1
+        return drawn, tuple(read)
 
     def _bind(
         self, shaded: bpy.types.Material, view: View, shared: frozenset[str], lights: _Lights, wait: bool
     ) -> tuple[Any, tuple]:
-        """The shader of a material, with all that it reads, and the textures that decide where it looks."""
+        """The shader of a material, with all that it reads, and the textures that decide where it looks.
+
+        None while a thread reads its table.
+        """
         import gpu
 
         path = looks.table_path(shaded)
-        table = self.tables.get(path)
+        table = self.tables.get(path, wait)
+        if table is None:
+            return None, ()
         look = looks.surface(shaded, table.layout, table.info, view)
         flags = shared | look.flags(lights.ambient)
+        tiles = None
+        if "SCALED" in flags and flags & {"CONSERVE", "AMBIENT"}:
+            tiles = self.tables.tiles(path, wait)
+            if tiles is None:
+                return None, ()
         directions, sky, mean = None, lights.sky, lights.mean
         if sky is not None and view.method == "TABLE":
             if look.environment:
@@ -317,8 +332,8 @@ class Renderer:
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
-            if "SCALED" in flags:
-                shader.uniform_sampler("df_tiles", self.tables.tiles(path))
+            if tiles is not None:
+                shader.uniform_sampler("df_tiles", tiles)
             else:
                 shader.uniform_sampler("df_albedo", table.albedo)
         if "SKYLIT" in flags:

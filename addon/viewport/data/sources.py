@@ -32,13 +32,12 @@ WAVELENGTHS_MAX = 96
 
 #: Numbers of the densities of directions.
 _DENSITIES = {
-    "N_VIEWS": importance.N_VIEWS,
-    "VIEW_END": importance.VIEW_END,
-    "AZIMUTHS_STEP": importance.AZIMUTHS_STEP,
-    "AZIMUTHS_MAX": importance.AZIMUTHS_MAX,
-    "N_R": importance.N_R,
-    "N_PHI": importance.N_PHI,
-}
+    name: getattr(importance, name)
+    for name in (
+        *("N_VIEWS", "VIEW_END", "AZIMUTHS_STEP", "AZIMUTHS_MAX", "AZIMUTHS_SETS", "FIRST_VIEWS", "SET_VIEWS"),
+        *("SET_COSINE", "CUTS", "WIDTH", "N_R", "N_PHI"),
+    )
+} | {"SETS": len(importance.DEPTHS), "DEPTH_STEP": importance.DEPTHS[0] - importance.DEPTHS[1]}
 
 #: Numbers of the albedos of scaled surfaces, and what a scale that makes no sense counts as.
 _SCALED = {

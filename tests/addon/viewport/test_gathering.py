@@ -135,6 +135,7 @@ def test_the_handler_gathers_and_leaves_the_gpu_as_it_was(renderer, sphere, tmp_
     scene = bpy.context.scene
     # What a window shows once it is there.
     renderer.skies.get(surroundings.of_world(scene.world).sky, wait=True)
+    renderer.tables.get(tmp_path / "t.exr", wait=True)
     renderer.directions.texture(tmp_path / "t.exr", wait=True)
     with offscreen.view_3d() as override, bpy.context.temp_override(**override):
         override["space_data"].shading.type = "SOLID"

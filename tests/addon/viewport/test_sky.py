@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 
+from precompute.light.colour import luminance_row
 from tests.support.blender import drawing, extension, materials, scenes, tables
 from tests.support.blender.worlds import spotted_sky
 
@@ -184,3 +185,62 @@ def test_drawings_of_a_picture_share_the_directions(renderer, tmp_path):
         many = drawing.alone(renderer, 32, points=1)[inside]
     errors = [np.abs(each - many).mean() for each in drawn]
     assert np.abs(np.mean(drawn, 0) - many).mean() < 0.8 * np.mean(errors)  # the rest is the blur of the sky
+
+
+def test_a_window_waits_for_no_sky(blender):
+    """Of what takes long nothing is done in the window's thread; an image that holds nothing is asked for once."""
+    import threading
+    import time
+
+    from diffraction_shader.addon.gpu_context import ensure_gpu
+    from diffraction_shader.addon.viewport.data import sky
+
+    ensure_gpu()
+    where, asked = [], []
+    real = sky.levels
+
+    def levels(pixels):
+        where.append(threading.current_thread())
+        return real(pixels)
+
+    def read(one):
+        asked.append(one)
+        return None if one.path == "empty" else (np.ones((8, 16, 3), np.float32), np.zeros((0, 7), np.float32))
+
+    skies = sky.Skies(read)
+    flat = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sky, "levels", levels)
+        for path in ("full", "empty"):
+            one = sky.Sky("", path, (1,), flat, (1.0, 1.0, 1.0))
+            assert skies.get(one) is None
+            deadline = time.monotonic() + 60.0
+            while skies._make_soon(one) is not None and time.monotonic() < deadline:
+                time.sleep(0.01)
+            assert (skies.get(one) is None) is (path == "empty")
+    assert len(asked) == 2 and len(where) == 1 and where[0] is not threading.main_thread()
+
+
+def test_a_scaled_surface_under_an_even_sky(renderer, tmp_path):
+    """What it sends on is its albedo, of whatever scale and depth, and with the usual few directions."""
+    from precompute.bake import bake
+    from precompute.evaluate.scaled import ScaledTable
+    from precompute.parameters import BakeParameters
+    from precompute.presets import make_preset
+    from tests.truth import radiance
+    from tests.truth.hemisphere import direction, hemisphere
+
+    path = tmp_path / "t.exr"
+    table = bake(make_preset("foil", 16e-6, 200), BakeParameters(sigma_s_m=1.2e-6, detail=0.5, level="none"))
+    table.save(path)
+    plane, wr = scenes.add_plane(half=1.0), direction(25, 40)
+    scenes.add_camera(wr, extent=0.2)
+    made = materials.diffracting(plane, path, fresnel="NONE", environment=4)
+    surround(np.ones((32, 64, 3), np.float32))
+    wi, cell = hemisphere(400)
+    for scale, depth in ((1.0, 1.0), (0.7, 0.9), (0.6, 0.4), (1.0, 0.3)):
+        node = made.node_tree.nodes["Diffraction"]
+        node.inputs["Scale"].default_value, node.inputs["Depth"].default_value = scale, depth
+        drawn = drawing.alone(renderer, 8, points=16)[..., :3].mean((0, 1))
+        xyz = (radiance.f_cos_xyz(ScaledTable(table, scale, depth), wi, wr) * cell[..., None]).sum((0, 1))
+        assert drawn @ luminance_row() == pytest.approx(xyz[1], rel=0.1)
