@@ -7,16 +7,7 @@ import pytest
 
 from precompute.light.colour import luminance_row
 from tests.support.blender import drawing, extension, materials, scenes, tables
-
-
-def picture(rows=64, cols=128):
-    """Scene-linear RGB of a sky with soft colours and two bright spots."""
-    y, x = np.mgrid[0:rows, 0:cols]
-    lat, lon = (y / rows - 0.5) * np.pi, x / cols * 2 * np.pi
-    rgb = np.stack([0.3 + 0.3 * np.sin(lon), 0.3 + 0.2 * np.sin(lat), 0.4 - 0.2 * np.cos(lon)], -1)
-    rgb[40:46, 30:38] += 8.0
-    rgb[20:23, 80:86, 0] += 15.0
-    return rgb.astype(np.float32)
+from tests.support.blender.worlds import spotted_sky
 
 
 def surround(rgb, rotation=(0.0, 0.0, 0.0), strength=1.0):
@@ -54,7 +45,7 @@ def test_the_square_holds_the_sphere(blender):
 def test_levels_keep_the_light(blender):
     from diffraction_shader.addon.viewport.data import sky
 
-    rgb = picture()
+    rgb = spotted_sky()
     lat = (np.arange(64) + 0.5) / 64 * np.pi
     mean = (rgb * np.sin(lat)[:, None, None]).sum((0, 1)) / (np.sin(lat).sum() * 128)
     squares = sky.levels(rgb)
@@ -81,7 +72,7 @@ def sphere_under(tmp_path, rotation):
     scenes.add_camera((0.4, -1, 0.5))
     tables.make_table(tmp_path / "t.exr", tables.gentle)
     materials.diffracting(ob, tmp_path / "t.exr", fresnel="NONE", environment=4)
-    return surround(picture(), rotation)
+    return surround(spotted_sky(), rotation)
 
 
 def middle(size):
@@ -154,7 +145,7 @@ def test_what_surrounds_a_view(blender, tmp_path):
     """Material Preview's studio light with its turn and strength, the world where that is chosen, lamps on and off."""
     from diffraction_shader.addon.viewport import offscreen, surroundings
 
-    surround(picture(), strength=3.0)
+    surround(spotted_sky(), strength=3.0)
     scene = bpy.context.scene
     with offscreen.view_3d() as override, bpy.context.temp_override(**override):
         shading = override["space_data"].shading
