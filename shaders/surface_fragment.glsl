@@ -63,7 +63,11 @@ void main()
         if (dot(df_frame.clip[i], vec4(world_place, 1.0)) <= 0.0)
             discard;
     }
-    bool outside = any(lessThan(gl_FragCoord.xy, df_frame.border.xy)) || any(greaterThan(gl_FragCoord.xy, df_frame.border.zw));
+    vec2 pixel = gl_FragCoord.xy;
+#ifdef GATHERS
+    pixel += df_gathering.xy;
+#endif
+    bool outside = any(lessThan(pixel, df_frame.border.xy)) || any(greaterThan(pixel, df_frame.border.zw));
     if (df_frame.border.z > 0.0 && outside)
         discard;
 #endif
@@ -103,6 +107,16 @@ void main()
 #ifdef CONSERVE
     albedo_r = table_albedo(wr);
 #endif
+#ifdef GATHERS  // the mean of light of the surroundings (addon/viewport/gathering.py)
+    vec3 gathered = vec3(0.0);
+#ifdef SKY
+    if (diffracts)
+        gathered = min(sky_light(frame, wr, albedo_r), vec3(6e4));
+#endif
+    if (df_gathering.z < 1.0)
+        gathered = mix(texelFetch(df_gathered, ivec2(gl_FragCoord.xy), 0).rgb, gathered, df_gathering.z);
+    out_colour = vec4(gathered, 1.0);
+#else
     for (int i = 0; i < LAMPS; i++) {
         DiffractionLamp lamp = df_frame.lamps[i];
 #ifdef WIDE
@@ -137,6 +151,9 @@ void main()
     if (diffracts)
         light += sky_light(frame, wr, albedo_r);
 #endif
+#ifdef GATHERED
+    light += texelFetch(df_gathered, ivec2(gl_FragCoord.xy - df_gathering.xy), 0).rgb;
+#endif
     light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
 #ifdef LACQUER
     outer += df_frame.ambient.rgb;
@@ -155,4 +172,5 @@ void main()
     light += (vec3(1.0) - mask * kept_from_below(abs(cos_r))) * pigment;
 #endif
     out_colour = vec4(displayed(light), 1.0);
+#endif
 }

@@ -27,6 +27,11 @@ else:
     _Operator = object
 
 
+#: Jobs of the operator at work in a window and its timer: what has to end with the extension, since Blender frees the
+#: operator of a class that goes without a word to it.
+_at_work: tuple[list[Job], bpy.types.Timer | None] = [], None
+
+
 class Threaded(_Operator):
     """Mixin of operators whose work is a list of jobs.
 
@@ -67,6 +72,7 @@ class Threaded(_Operator):
 
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
         """In a thread, with progress in panel and status bar."""
+        global _at_work
         try:
             self._jobs, self._results = self.jobs(context), []
         except (DiffractionError, MemoryError) as error:
@@ -74,6 +80,7 @@ class Threaded(_Operator):
         self._jobs[0].start()
         self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
         context.window_manager.modal_handler_add(self)
+        _at_work = self._jobs, self._timer
         self._show(context)
         return {"RUNNING_MODAL"}
 
@@ -136,13 +143,30 @@ class Threaded(_Operator):
 
     def _clear(self, context: bpy.types.Context) -> None:
         self._close()
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
-        progress.clear()
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
-        redraw(context)
+        self._timer = None
+        _leave(context)
+
+
+def stop() -> None:
+    """End what is at work in a window: the extension is being disabled."""
+    jobs = _at_work[0]
+    for job in jobs:
+        job.cancel()
+        job.close()
+    if jobs:
+        _leave(bpy.context)
+
+
+def _leave(context: bpy.types.Context) -> None:
+    """Nothing is at work any more."""
+    global _at_work
+    timer, _at_work = _at_work[1], ([], None)
+    if timer is not None:
+        context.window_manager.event_timer_remove(timer)
+    progress.clear()
+    if context.workspace is not None:
+        context.workspace.status_text_set(None)
+    redraw(context)
 
 
 def _status(header: Any, context: bpy.types.Context) -> None:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators: they read properties, call the core and write the scene."""
 
+from ..jobs import threaded
 from . import (
     add_node,
     add_scales,
@@ -27,3 +28,8 @@ _MODULES = (
 )  # fmt: skip
 
 CLASSES = tuple(cls for module in _MODULES for cls in module.CLASSES)
+
+
+def unregister() -> None:
+    """End what is at work."""
+    threaded.stop()

@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import traceback
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,7 +16,7 @@ import numpy as np
 from ...precompute.errors import DiffractionError
 from ..materials import material
 from ..materials.node import paint_nodes
-from . import items, lamps, looks, surroundings
+from . import gathering, items, lamps, looks, surroundings
 from .data import blocks, masks, orientation, sources
 from .data.batches import Meshes
 from .data.directions import Directions
@@ -43,6 +44,47 @@ class _Listing:
     lamps: np.ndarray
 
 
+@dataclass(frozen=True)
+class _Lights:
+    """What shines on all surfaces of a drawing beside lamps.
+
+    Parameters
+    ----------
+    ambient
+        Whether a plain world does.
+    sky
+        Texture of an image all around, or None.
+    mean
+        What was gathered before, of a view that gathers: texture, place of its corner in the framebuffer, and the
+        weight of what is added.
+    gathers
+        Whether this drawing adds to it; else it shows it.
+    """
+
+    ambient: bool
+    sky: Any
+    mean: Any = None
+    gathers: bool = False
+
+
+@contextmanager
+def _state(blend: str, writes_depth: bool) -> Iterator[None]:
+    """The GPU's state while surfaces are drawn, and afterwards what it was."""
+    import gpu
+
+    state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
+    gpu.state.blend_set(blend)
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.depth_mask_set(writes_depth)
+    try:
+        yield
+    finally:
+        gpu.state.face_culling_set("NONE")
+        gpu.state.blend_set(state[0])
+        gpu.state.depth_test_set(state[1])
+        gpu.state.depth_mask_set(state[2])
+
+
 @dataclass(eq=False)
 class Renderer:
     """All that the viewport keeps between two drawings."""
@@ -53,6 +95,7 @@ class Renderer:
     display: Display = field(default_factory=Display)
     skies: Skies = field(default_factory=Skies)
     directions: Directions = field(default_factory=Directions)
+    gathering: gathering.Gathering = field(default_factory=gathering.Gathering)
     #: What the user is to know; empty while all is well.
     message: str = ""
     #: Counts changes of the scene.
@@ -83,6 +126,7 @@ class Renderer:
         self.display.clear()
         self.skies.clear()
         self.directions.clear()
+        self.gathering.clear()
         self._changed.clear()
         self.message, self._failed = "", None
         self.version += 1
@@ -103,6 +147,7 @@ class Renderer:
         asks: Manners = PLAIN,
         around: Surroundings | None = None,
         moved: tuple[float, float] = (0.0, 0.0),
+        gathers: Hashable | None = None,
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
 
@@ -129,6 +174,9 @@ class Renderer:
         moved
             Of a picture that is the mean of several drawings: where this one looks into the surroundings, see
             `blocks.Frame`.
+        gathers
+            Key of a view that is drawn again and again and gathers light of the surroundings while it stands still;
+            None: this is a picture of its own.
         """
         attempt = (self.version, view)
         if self._failed == attempt:
@@ -138,7 +186,7 @@ class Renderer:
             listing = self._listing(depsgraph, visible, list_key, skips)
             count = self._draw(
                 listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around,
-                moved,
+                moved, gathers,
             )  # fmt: skip
         except DiffractionError as error:
             self._fail(attempt, str(error))
@@ -158,10 +206,8 @@ class Renderer:
     def _draw(
         self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
         view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
-        moved: tuple[float, float],
+        moved: tuple[float, float], gathers: Hashable | None,
     ) -> int:  # fmt: skip
-        import gpu
-
         self.message = ""
         if not listing.items:
             return 0
@@ -179,69 +225,124 @@ class Renderer:
             view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
             clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None, moved=moved,
         )  # fmt: skip
+        # What shines through adds up, of which a mean of what lies in front knows nothing.
+        mean = None
+        if gathers is not None and sky is not None and view.method == "TABLE" and asks.see_through == 1.0:
+            state = (self.version, view, view_matrix.tobytes(), projection.tobytes(), asks, around, id(sky))
+            mean = self._gathered(gathers, state, listing, frame, view, sky, not through_display)
+        elif gathers is not None:
+            self.gathering.forget(gathers)
         view = replace(view, brightness=view.brightness * asks.see_through)
         shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
-        state = gpu.state.blend_get(), gpu.state.depth_test_get(), gpu.state.depth_mask_get()
-        gpu.state.blend_set("NONE" if view.surface == "REPLACE" else "ADDITIVE")
-        gpu.state.depth_test_set("LESS_EQUAL")
-        gpu.state.depth_mask_set(False)
-        try:
-            rows = self._uniform(("frame",), frame.rows())
-            shader: Any = None
-            bound, facing = 0, ""
-            replaces = view.surface == "REPLACE"
-            for item in listing.items:
-                if shader is None or item.uid != bound:
-                    bound = item.uid
-                    shader = self._bind(item.material, view, shared, any(around.ambient), sky, wait=not through_display)
-                    shader.uniform_block("df_frame", rows)
-                    if through_display:
-                        shader.uniform_sampler("df_display", self.display.texture(depsgraph.scene.original))
-                # Nothing is added to a surface's back.
-                culled = "NONE" if replaces else "FRONT" if item.mirrored else "BACK"
-                if culled != facing:
-                    facing = culled
-                    gpu.state.face_culling_set(culled)
-                shader.uniform_float("df_model", item.matrix)
-                item.batch.draw(shader)
-        finally:
-            gpu.state.face_culling_set("NONE")
-            gpu.state.blend_set(state[0])
-            gpu.state.depth_test_set(state[1])
-            gpu.state.depth_mask_set(state[2])
-        return len(listing.items)
+        lights = _Lights(any(around.ambient), sky, mean)
+        display = self.display.texture(depsgraph.scene.original) if through_display else None
+        with _state("NONE" if view.surface == "REPLACE" else "ADDITIVE", writes_depth=False):
+            uniform = self._uniform(("frame",), frame.rows())
+            drawn, _ = self._draw_items(listing, view, shared, uniform, lights, display, wait=not through_display)
+        return drawn
+
+    def _gathered(
+        self, key: Hashable, state: Hashable, listing: _Listing, frame: blocks.Frame, view: View, sky: Any, wait: bool
+    ) -> Any:
+        """The mean of what this view has gathered, after more was added to it; None in the first drawing of a state."""
+        import gpu
+
+        x, y, width, height = gpu.state.viewport_get()
+        total = gathering.DIRECTIONS // SKY_POINTS[view.points]
+        held = self.gathering.of(key, (width, height), (state, x, y), total)
+        if held is None:
+            return None
+        without = replace(frame, lamps=frame.lamps[:0], display=False)
+        for place, number in enumerate(held.due()):
+            uniform = self._uniform(("gathered", place), replace(without, moved=gathering.moved(number)).rows())
+            target, before = held.begin()
+            with target.bind(), _state("NONE", writes_depth=True):
+                gpu.state.active_framebuffer_get().clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
+                lights = _Lights(False, sky, (before, x, y, 1.0 / (number + 1.0)), gathers=True)
+                flags = frozenset(without.flags())
+                _, read = self._draw_items(listing, view, flags, uniform, lights, None, wait)
+                held.end(read)
+        return (held.mean, x, y, 0.0) if held.count else None
+
+    def _draw_items(
+        self, listing: _Listing, view: View, shared: frozenset[str], frame: Any, lights: _Lights, display: Any,
+        wait: bool,
+    ) -> tuple[int, tuple]:  # fmt: skip
+        """Draw all pieces: their number, and the textures that decide which directions they look in."""
+        import gpu
+
+        shader: Any = None
+        bound, facing, drawn = 0, "", 0
+        read: list[tuple] = []
+        replaces = view.surface == "REPLACE"
+        for item in listing.items:
+            if item.uid != bound:
+                bound = item.uid
+                shader, textures = self._bind(item.material, view, shared, lights, wait)
+                read.append(textures)
+                if shader is not None:
+                    shader.uniform_block("df_frame", frame)
+                    if display is not None:
+                        shader.uniform_sampler("df_display", display)
+            if shader is None:
+                continue
+            # Nothing is added to a surface's back.
+            culled = "NONE" if replaces else "FRONT" if item.mirrored else "BACK"
+            if culled != facing:
+                facing = culled
+                gpu.state.face_culling_set(culled)
+            shader.uniform_float("df_model", item.matrix)
+            item.batch.draw(shader)
+            drawn += 1
+        return drawn, tuple(read)
 
     def _bind(
-        self, shaded: bpy.types.Material, view: View, shared: frozenset[str], ambient: bool, sky: Any, wait: bool
-    ) -> Any:
-        """The shader of a material, with all that it reads."""
+        self, shaded: bpy.types.Material, view: View, shared: frozenset[str], lights: _Lights, wait: bool
+    ) -> tuple[Any, tuple]:
+        """The shader of a material, with all that it reads, and the textures that decide where it looks.
+
+        None while a thread reads its table.
+        """
         import gpu
 
         path = looks.table_path(shaded)
-        table = self.tables.get(path)
+        table = self.tables.get(path, wait)
+        if table is None:
+            return None, ()
         look = looks.surface(shaded, table.layout, table.info, view)
-        flags = shared | look.flags(ambient)
-        directions = None
+        flags = shared | look.flags(lights.ambient)
+        tiles = None
+        if "SCALED" in flags and flags & {"CONSERVE", "AMBIENT"}:
+            tiles = self.tables.tiles(path, wait)
+            if tiles is None:
+                return None, ()
+        directions, sky, mean = None, lights.sky, lights.mean
         if sky is not None and view.method == "TABLE":
             if look.environment:
                 directions = self.directions.texture(path, wait)
             if directions is not None:
-                flags |= {"SKYLIT", f"SKY_{SKY_POINTS[view.points]}"}
+                looks_itself = lights.gathers or mean is None
+                flags |= {"SKYLIT", f"SKY_{SKY_POINTS[view.points]}" if looks_itself else "GATHERED"}
             if view.surface == "REPLACE":
                 flags |= {"SKYLIT"}
+        if lights.gathers:
+            flags |= {"GATHERS"}
         shader = sources.surface(view.method, flags)
         shader.bind()
         shader.uniform_block("df_surface", self._uniform(("surface", shaded.session_uid), look.rows()))
         shader.uniform_sampler("df_table", table.slices)
         if flags & {"CONSERVE", "AMBIENT"}:
-            if "SCALED" in flags:
-                shader.uniform_sampler("df_tiles", self.tables.tiles(path))
+            if tiles is not None:
+                shader.uniform_sampler("df_tiles", tiles)
             else:
                 shader.uniform_sampler("df_albedo", table.albedo)
         if "SKYLIT" in flags:
             shader.uniform_sampler("df_sky", sky)
-        if directions is not None:
+        if directions is not None and "GATHERED" not in flags:
             shader.uniform_sampler("df_importance", directions)
+        if flags & {"GATHERS", "GATHERED"}:
+            shader.uniform_sampler("df_gathered", mean[0])
+            shader.uniform_float("df_gathering", (*mean[1:], 0.0))
         painted = paint_nodes.image(shaded)
         if painted is not None:
             shader.uniform_sampler("df_paint", gpu.texture.from_image(painted))
@@ -255,7 +356,7 @@ class Renderer:
             series = self.series.get(path, table.info)
             shader.uniform_block("df_series", series.uniform)
             shader.uniform_sampler("df_terms", series.terms)
-        return shader
+        return shader, (id(table), id(directions))
 
     def _uniform(self, key: tuple, rows: np.ndarray) -> Any:
         """A uniform buffer with these rows, the last one where nothing changed."""

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import bpy
@@ -48,7 +49,55 @@ def draw_view() -> None:
         loose_depth=eevee,
         asks=asks,
         around=around,
+        gathers=context.region.as_pointer(),
     )
+    if renderer.gathering.wants_more(context.region.as_pointer()):
+        _again.ask(context.area, moved=not renderer.gathering.has_begun(context.region.as_pointer()))
+
+
+#: Seconds for which a view stands still before it is drawn again, and between two such drawings at least and at most.
+_STILL, _LEAST, _MOST = 0.15, 0.01, 1.0
+
+
+class _Again:
+    """Draws views again that would gather more light, and leaves the user as much time as drawing takes."""
+
+    def __init__(self) -> None:
+        self._areas: set[int] = set()
+        self._asked = self._not_before = 0.0
+
+    def ask(self, area: bpy.types.Area, moved: bool) -> None:
+        """Ask for another drawing of a view, soon.
+
+        Parameters
+        ----------
+        moved
+            Whether it did not stand still until now.
+        """
+        if bpy.app.background:
+            return
+        now = time.monotonic()
+        wait = _STILL if moved else min(max(now - self._asked, _LEAST), _MOST)
+        self._not_before = now + wait
+        if not self._areas:
+            bpy.app.timers.register(self._draw, first_interval=wait)
+        self._areas.add(area.as_pointer())
+
+    def _draw(self) -> float | None:
+        now = time.monotonic()
+        if now < self._not_before and self._areas:
+            return self._not_before - now
+        self._asked = now
+        redraw(self._areas)
+        self._areas = set()
+        return None
+
+    def clear(self) -> None:
+        """Ask for nothing."""
+        self._areas = set()
+
+
+_again = _Again()
 
 
 @persistent
@@ -98,6 +147,7 @@ def unregister() -> None:
     for where, handler in _HANDLERS:
         if handler in where:
             where.remove(handler)
+    _again.clear()
     renderer.clear()
     sources.free()
     redraw()

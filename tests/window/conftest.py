@@ -90,6 +90,14 @@ def enabled(desk, zipped):
     return desk
 
 
+@pytest.fixture(autouse=True)
+def idle(request):
+    """What a failed test left at work ends, so that it fails alone."""
+    yield
+    if "enabled" in request.fixturenames:
+        request.getfixturevalue("enabled").stop()
+
+
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport(item, call):
     """A picture of what the screen showed when a test failed, and why, at once: a whole day takes long."""

@@ -117,7 +117,7 @@ class Desk:
         self.wait()
         return offered
 
-    def render(self, seconds=900.0):
+    def render(self, seconds=1500.0):
         """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
         import numpy as np
 
@@ -126,7 +126,8 @@ class Desk:
         self.driver.key("F12")
         time.sleep(0.5)
         deadline = time.monotonic() + seconds
-        while self.run("print(bpy.app.is_job_running('RENDER'))") == "True":
+        # A window stands still while EEVEE compiles, minutes without a GPU.
+        while self.run("print(bpy.app.is_job_running('RENDER'))", seconds) == "True":
             assert time.monotonic() < deadline, "The render did not end"
             time.sleep(0.2)
         place = self.work / "render.png"
@@ -190,6 +191,13 @@ class Desk:
             time.sleep(0.1)
         time.sleep(0.2)
 
+    def stop(self):
+        """Esc, if anything is computed."""
+        if self.run("print(busy())") == "True":
+            self.over_view()
+            self.driver.key("ESC")
+            self.wait()
+
     def enter(self, what, text):
         """Type into a field."""
         self.driver.point(*self.find(what))
@@ -213,10 +221,14 @@ class Desk:
         time.sleep(0.3)
         assert self.look(f"{owner}.{name}") == identifier
 
-    def press_right_of(self, what, share):
-        """A click in the row of a button, at a share of the sidebar's width: menus tell no command."""
+    def press_near(self, what, share, found_at=0.6, lines=0.0):
+        """A click near a button, whose own place is a share of the width: menus tell no command.
+
+        `share` is where in the sidebar's width; `lines` how many lines below the button.
+        """
         left, _, width, _ = self.look("rectangle()")
-        self.driver.click(left + round(share * width), self.find(what)[1])
+        line = 20.0 * self.look("bpy.context.preferences.system.ui_scale")
+        self.driver.click(left + round(share * width), round(self.find(what, found_at)[1] - lines * line))
         self.settle()
 
     @contextlib.contextmanager

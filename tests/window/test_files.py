@@ -135,8 +135,10 @@ def test_second_window_and_quad_view(enabled):
     enabled.run("with anywhere(): bpy.ops.wm.window_new()")
     enabled.run("with within('VIEW_3D', 'WINDOW'): bpy.ops.screen.region_quadview()")
     enabled.settle()
+    enabled.run("bpy.context.scene.diffraction.preset_size_um = 12")
     enabled.press("diffraction.make_preset")
     enabled.shot("12_two_windows")
+    enabled.run("bpy.context.scene.diffraction.sigma_s_um = 1.0")  # quick, where numpy has no library of its own
     enabled.press("diffraction.bake")
     enabled.press("diffraction.apply_material")
     enabled.close_windows()
@@ -150,6 +152,9 @@ def test_second_window_and_quad_view(enabled):
 
 def test_disable_and_enable(enabled):
     name = "bl_ext.user_default.diffraction_shader"
+    enabled.run("bpy.context.scene.diffraction.sigma_s_um = 8.0")
+    enabled.press("diffraction.bake", wait=False)
+    assert enabled.look("busy()")
     enabled.run(f"bpy.ops.preferences.addon_disable(module={name!r})")
     enabled.settle()
     assert enabled.look("hasattr(bpy.types.Scene, 'diffraction')") is False
@@ -157,4 +162,5 @@ def test_disable_and_enable(enabled):
     enabled.open_sidebar()
     assert any("import_scan" in line for line in enabled.panel())
     assert enabled.look("hasattr(bpy.types.Scene, 'diffraction')")
+    assert not enabled.look("busy()")  # its bake has ended with it
     assert enabled.console() == []

@@ -43,7 +43,7 @@ def test_stored_scans_come_back(day, folder):
         import_file(day, folder / f"{name}.gsf")
     names = day.look("[p.stem for p in addon('tables.scan_store').stored_scans()]")
     for name, size in (("one", "64 x 64"), ("two", "48 x 48"), ("one", "64 x 64")):
-        day.press_right_of("diffraction.import_scan", 0.82)
+        day.press_near("diffraction.import_scan", 0.82)
         day.shot("70_stored_scans")
         day.pick(names.index(name))
         assert size in day.state("scan_info") and day.state("scan_path").endswith(f"{name}.gsf")

@@ -290,7 +290,8 @@ def measure(arguments, folder):
     parameters = BakeParameters(level="poly2", clip_percent=99.9, series="taylor")
     report = bake_file(scan, folder, parameters, **reading)
     patch = prepare(read_scan(scan, **reading), parameters)
-    table, terms = textures.upload(report.table), series.SeriesTextures().get(report.path, report.table.info)
+    table = textures.upload(textures.texels(report.table))
+    terms = series.SeriesTextures().get(report.path, report.table.info)
     look = blocks.Surface(
         layout=table.layout, to_rgb=xyz_to_rgb_matrix(), conserve_energy=report.table.albedo_max > 1.0
     )

@@ -169,7 +169,7 @@ def _object_sheets(g: Graph, given: Any, normal: Socket) -> tuple[list[tuple[Soc
     side = g.vector("NORMALIZE", g.vector("CROSS_PRODUCT", (0.0, 0.0, 1.0), tail))
     up = g.vector("CROSS_PRODUCT", tail, side)
     local: Any = g.add("ShaderNodeVectorTransform", vector_type="NORMAL", convert_from="WORLD", convert_to="OBJECT")
-    g.put(local.inputs[0], normal)
+    g.put(local.inputs["Vector"], normal)
     cosines = [g.scalar("DOT_PRODUCT", local.outputs[0], axis) for axis in (up, side, tail)]
     places = {axis: g.scalar("DOT_PRODUCT", position, axis) for axis in (tail, side, up)}
     length = given["Scale Size"]
@@ -188,7 +188,7 @@ def _object_sheets(g: Graph, given: Any, normal: Socket) -> tuple[list[tuple[Soc
 def _turned(g: Graph, vector: Value, kind: str) -> Socket:
     """A vector of the object in the world."""
     node: Any = g.add("ShaderNodeVectorTransform", vector_type=kind, convert_from="OBJECT", convert_to="WORLD")
-    g.put(node.inputs[0], vector)
+    g.put(node.inputs["Vector"], vector)
     return node.outputs[0]
 
 

@@ -164,7 +164,7 @@ def _columns(graph: Graph) -> list[Socket]:
 def _in_world(graph: Graph, vector: Value) -> Socket:
     """A direction of the object's in world space, as long as it is scaled."""
     node = graph.add("ShaderNodeVectorTransform", vector_type="VECTOR", convert_from="OBJECT", convert_to="WORLD")
-    graph.put(node.inputs[0], vector)
+    graph.put(node.inputs["Vector"], vector)
     return node.outputs[0]
 
 

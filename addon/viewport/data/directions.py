@@ -3,17 +3,15 @@
 
 from __future__ import annotations
 
-import threading
 from pathlib import Path
 from typing import Any
 
-import bpy
 import numpy as np
 
 from ....precompute.errors import DiffractionError
 from .blocks import buffer
-from .display import redraw
-from .textures import find_directions, table_stamp
+from .readings import Readings, table_stamp
+from .textures import find_directions
 
 
 class Directions:
@@ -21,11 +19,10 @@ class Directions:
 
     def __init__(self) -> None:
         self._held: dict[Path, tuple[tuple, Any]] = {}
-        self._found: dict[Path, tuple[tuple, np.ndarray | None]] = {}
-        self._threads: dict[Path, threading.Thread] = {}
+        self._readings = Readings(find_directions)
 
     def texture(self, path: Path, wait: bool = False) -> Any:
-        """The texture, or None while its numbers are looked for in a thread.
+        """The texture, or None while its numbers are looked for in a thread, and where they cannot be read.
 
         Parameters
         ----------
@@ -36,48 +33,25 @@ class Directions:
         held = self._held.get(path)
         if held is not None and held[0] == stamp:
             return held[1]
-        found = self._found.pop(path, None)
-        if found is None or found[0] != stamp:
-            if not wait:
-                self._look(path, stamp)
-                return None
-            found = (stamp, find_directions(path))
-        texture = _upload(found[1]) if found[1] is not None else None
-        self._held[path] = (stamp, texture)
-        return texture
+        try:
+            image = self._readings.take(path, stamp, wait)
+        except DiffractionError:
+            return None  # the table's own reader says what is wrong
+        if image is None:
+            return None
+        self._held[path] = held = (stamp, _upload(image))
+        return held[1]
 
     def keep(self, paths: set[Path]) -> None:
         """Drop all but these."""
+        self._readings.keep(paths)
         for path in self._held.keys() - paths:
             del self._held[path]
 
     def clear(self) -> None:
         """Drop all."""
         self._held.clear()
-        self._found.clear()
-
-    def _look(self, path: Path, stamp: tuple) -> None:
-        running = self._threads.get(path)
-        if running is not None and running.is_alive():
-            return
-
-        def work() -> None:
-            try:
-                self._found[path] = (stamp, find_directions(path))
-            except DiffractionError:
-                self._found[path] = (stamp, None)  # the table's own reader says what is wrong
-
-        thread = self._threads[path] = threading.Thread(target=work, daemon=True)
-        thread.start()
-
-        def poll() -> float | None:
-            if thread.is_alive():
-                return 0.1
-            self._threads.pop(path, None)
-            redraw()
-            return None
-
-        bpy.app.timers.register(poll, first_interval=0.1)
+        self._readings.clear()
 
 
 def _upload(image: np.ndarray) -> Any:

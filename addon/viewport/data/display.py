@@ -170,12 +170,12 @@ class Display:
         bpy.app.timers.register(make, first_interval=0.0)
 
 
-def redraw() -> None:
-    """Ask all 3-D views to draw again."""
+def redraw(areas: set[int] | None = None) -> None:
+    """Ask 3-D views to draw again: those at these addresses, all for None."""
     for manager in bpy.data.window_managers:
         for window in manager.windows:
             for area in window.screen.areas:
-                if area.type == "VIEW_3D":
+                if area.type == "VIEW_3D" and (areas is None or area.as_pointer() in areas):
                     area.tag_redraw()
 
 

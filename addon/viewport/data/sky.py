@@ -8,6 +8,7 @@ asks for follows from its solid angle alone.
 
 from __future__ import annotations
 
+import threading
 from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -230,6 +231,39 @@ class Lit:
     suns: np.ndarray
 
 
+class _Texels:
+    """The texture of a sky in the making: its levels take a third of a second."""
+
+    def __init__(self, light: Light | None) -> None:
+        self._light = light
+        self._texels: np.ndarray | None = None
+        self._thread = threading.Thread(target=self._work, daemon=True)
+
+    def start(self) -> None:
+        """Make it in a thread."""
+        self._thread.start()
+
+    def is_done(self) -> bool:
+        """Whether it is there."""
+        return not self._thread.is_alive()
+
+    def upload(self) -> Lit | None:
+        """The sky on the GPU; None where there is no light."""
+        import gpu
+
+        if self._light is None:
+            return None
+        if self._texels is None:
+            self._work()
+        texture = gpu.types.GPUTexture(atlas_size(), format="RGBA16F", data=buffer(self._texels))
+        smooth_lookups(texture)
+        return Lit(texture, self._light[1])
+
+    def _work(self) -> None:
+        if self._light is not None:
+            self._texels = atlas(levels(self._light[0]))
+
+
 class Skies:
     """Textures of the last few skies; made between two drawings."""
 
@@ -238,6 +272,7 @@ class Skies:
         self._held: OrderedDict[tuple, Lit | None] = OrderedDict()
         self._waiting: set[tuple] = set()
         self._rendering: tuple[Sky, Panorama] | None = None
+        self._making: tuple[Sky, _Texels] | None = None
         #: By world: what was shown last, until what is asked for is there.
         self._last: dict[str, tuple] = {}
         #: What to tell the user; empty while all is well.
@@ -269,6 +304,7 @@ class Skies:
         if self._rendering is not None:
             self._rendering[1].stop()
             self._rendering = None
+        self._making = None
         self._held.clear()
         self._waiting.clear()
         self._last.clear()
@@ -277,11 +313,18 @@ class Skies:
     def _make_soon(self, sky: Sky) -> float | None:
         if sky.pixels not in self._waiting:
             return None
-        if not sky.world:
-            self._waiting.discard(sky.pixels)
-            self._make(sky)
+        if self._making is not None:
+            made, texels = self._making
+            if not texels.is_done():
+                return 0.05
+            self._making = None
+            self._waiting.discard(made.pixels)
+            self._keep(made, texels)
             redraw()
-            return None
+            return None if made == sky else 0.0
+        if not sky.world:
+            self._start(sky, self._read(sky))
+            return 0.05
         if self._rendering is None:
             world = _world(sky.world)
             if world is None or panorama.stamp(world) != sky.stamp:  # it has changed since, and is asked for anew
@@ -293,27 +336,22 @@ class Skies:
         if not job.is_done():
             return 0.1
         self._rendering = None
-        self._waiting.discard(rendered.pixels)
-        self._keep(rendered, job.result())
-        redraw()
-        return None if rendered == sky else 0.0
+        self._start(rendered, job.result())
+        return 0.05
+
+    def _start(self, sky: Sky, light: Light | None) -> None:
+        self._making = sky, _Texels(light)
+        self._making[1].start()
 
     def _make(self, sky: Sky) -> None:
         world = _world(sky.world) if sky.world else None
-        self._keep(sky, Panorama(world).result() if world is not None else self._read(sky))
+        self._keep(sky, _Texels(Panorama(world).result() if world is not None else self._read(sky)))
 
-    def _keep(self, sky: Sky, light: Light | None) -> None:
-        import gpu
-
-        made = None
-        if light is not None:
-            pixels, suns = light
-            texture = gpu.types.GPUTexture(atlas_size(), format="RGBA16F", data=buffer(atlas(levels(pixels))))
-            smooth_lookups(texture)
-            made = Lit(texture, suns)
+    def _keep(self, sky: Sky, texels: _Texels) -> None:
+        made = texels.upload()
         if sky.world:
             self._last[sky.world] = sky.pixels
-            self.message = "" if light is not None else "the world, which a second Blender could not render"
+            self.message = "" if made is not None else "the world, which a second Blender could not render"
         self._held[sky.pixels] = made
         while len(self._held) > _KEPT:
             self._held.popitem(last=False)

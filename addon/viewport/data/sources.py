@@ -86,6 +86,8 @@ FLAGS = (
     "LACQUER",
     "AMBIENT",  # a plain world
     "SKYLIT",  # an image surrounds the scene
+    "GATHERS",  # writes the mean of its light and of what was gathered before
+    "GATHERED",  # shows that mean
     "SUNS",
     "BALLS",
     "SPOTS",
@@ -158,6 +160,9 @@ def surface(method: str, flags: frozenset[str]) -> Any:
     if any(name.startswith("SKY_") for name in flags):
         _add_densities(info)
     info.push_constant("MAT4", "df_model")
+    if flags & {"GATHERS", "GATHERED"}:  # in the slots of what these do not read
+        info.sampler(2 if "GATHERS" in flags else 6, "FLOAT_2D", "df_gathered")
+        info.push_constant("VEC4", "df_gathering")
     for slot, (kind, name) in enumerate((("VEC3", "pos"), ("VEC3", "nor"), ("VEC4", "tan"), ("VEC2", "uv"))):
         if name != "uv" or has_uv:
             info.vertex_in(slot, kind, name)

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
-from ....precompute.errors import SizeLimitError
-from ....precompute.files.stamp import file_stamp
+from ....precompute.errors import DiffractionError, SizeLimitError
 from ....precompute.table import importance, scaled_albedo
 from ....precompute.table.layout import TableLayout
 from ....precompute.table.table import SpectralTable, read_sidecar
 from ...versions import smooth_lookups
 from .blocks import ALBEDO_SIDE, buffer
+from .readings import Readings, table_stamp
 
 
 @dataclass(eq=False)
@@ -58,7 +58,46 @@ def find_directions(path: Path) -> np.ndarray:
     return importance.importance(SpectralTable.load(path)).image()
 
 
-def upload(table: SpectralTable) -> TableTextures:
+@dataclass(frozen=True)
+class TableTexels:
+    """A table as the GPU takes it.
+
+    Parameters
+    ----------
+    slices
+        ``(n_w, tile height, n_r, 4)`` float32.
+    albedo
+        Of `albedo_map`.
+    """
+
+    layout: TableLayout
+    info: dict[str, Any]
+    slices: np.ndarray
+    albedo: np.ndarray
+
+
+def texels(table: SpectralTable) -> TableTexels:
+    """What `upload` copies."""
+    layout = table.layout
+    stack = np.ones((layout.n_w, layout.tile_height, layout.n_r, 4), np.float32)
+    for index in range(layout.n_w):
+        x, y = layout.tile_origin(index)
+        stack[index, :, :, :3] = table.atlas[y : y + layout.tile_height, x : x + layout.n_r]
+    return TableTexels(layout, table.info, stack, albedo_map(table))
+
+
+def read_texels(path: Path) -> TableTexels:
+    """`texels` of the table at a path.
+
+    Raises
+    ------
+    TableError
+        If it cannot be read.
+    """
+    return texels(SpectralTable.load(path))
+
+
+def upload(found: TableTexels) -> TableTextures:
     """Copy a table to the GPU.
 
     Raises
@@ -68,30 +107,25 @@ def upload(table: SpectralTable) -> TableTextures:
     """
     import gpu
 
-    layout = table.layout
+    layout = found.layout
     side, layers = gpu.capabilities.max_texture_size_get(), gpu.capabilities.max_texture_layers_get()
     if max(layout.n_r, layout.tile_height) > side or layout.n_w > layers:
         raise SizeLimitError(
             f"The table of {layout.n_r} x {layout.n_phi} x {layout.n_w} texels is too large for this GPU, which takes"
             f" {side} x {side} x {layers}; bake it with a smaller sigma_s or a lower detail."
         )
-    stack = np.ones((layout.n_w, layout.tile_height, layout.n_r, 4), np.float32)
-    for index in range(layout.n_w):
-        x, y = layout.tile_origin(index)
-        stack[index, :, :, :3] = table.atlas[y : y + layout.tile_height, x : x + layout.n_r]
-    albedo = albedo_map(table)
     try:
         slices = gpu.types.GPUTexture(
-            (layout.n_r, layout.tile_height), layers=layout.n_w, format="RGBA16F", data=buffer(stack)
+            (layout.n_r, layout.tile_height), layers=layout.n_w, format="RGBA16F", data=buffer(found.slices)
         )
-        albedos = gpu.types.GPUTexture((ALBEDO_SIDE, ALBEDO_SIDE), format="R16F", data=buffer(albedo))
+        albedos = gpu.types.GPUTexture((ALBEDO_SIDE, ALBEDO_SIDE), format="R16F", data=buffer(found.albedo))
     except (RuntimeError, MemoryError) as error:
         raise SizeLimitError(
-            f"The GPU has no memory for the table ({stack.nbytes / 2e6:.0f} MB); bake it with a lower detail."
+            f"The GPU has no memory for the table ({found.slices.nbytes / 2e6:.0f} MB); bake it with a lower detail."
         ) from error
     for texture in (slices, albedos):
         smooth_lookups(texture)
-    return TableTextures(layout, table.info, slices, albedos)
+    return TableTextures(layout, found.info, slices, albedos)
 
 
 def albedo_map(table: SpectralTable) -> np.ndarray:
@@ -120,12 +154,19 @@ class Tables:
 
     def __init__(self) -> None:
         self._held: dict[Path, tuple[tuple, TableTextures]] = {}
+        self._texels = Readings(read_texels)
+        self._tiles = Readings(find_directions)
 
     def __len__(self) -> int:
         return len(self._held)
 
-    def get(self, path: Path) -> TableTextures:
-        """Textures of the table at a path.
+    def get(self, path: Path, wait: bool = True) -> TableTextures | None:
+        """Textures of the table at a path; while a changed file is read, those of the one before, if there were any.
+
+        Parameters
+        ----------
+        wait
+            Read it now, not in a thread.
 
         Raises
         ------
@@ -134,37 +175,44 @@ class Tables:
         """
         stamp = table_stamp(path)
         held = self._held.get(path)
-        if held is None or held[0] != stamp:
+        if held is not None and held[0] == stamp:
+            return held[1]
+        try:
+            found = self._texels.take(path, stamp, wait)
+            if found is None:
+                return held[1] if held is not None else None
+            made = upload(found)
+        except DiffractionError:
             self._held.pop(path, None)
-            held = self._held[path] = (stamp, upload(SpectralTable.load(path)))
-        return held[1]
+            raise
+        self._held[path] = stamp, made
+        return made
 
-    def tiles(self, path: Path) -> Any:
-        """Albedos of the table's scaled surfaces; of one whose table `get` found.
+    def tiles(self, path: Path, wait: bool = True) -> Any:
+        """Albedos of the scaled surfaces of a table that `get` found; None while a thread reads them.
 
         Raises
         ------
         TableError
             If the table cannot be read.
         """
-        textures = self.get(path)
+        stamp, textures = self._held[path]
         if textures.tiles is None:
-            textures.tiles = _upload_tiles(
-                find_directions(path)[importance.VIEWS :][: scaled_albedo.HEIGHT, : scaled_albedo.WIDTH]
-            )
+            image = self._tiles.take(path, stamp, wait)
+            if image is None:
+                return None
+            textures.tiles = _upload_tiles(image[importance.VIEWS :][: scaled_albedo.HEIGHT, : scaled_albedo.WIDTH])
         return textures.tiles
 
     def keep(self, paths: set[Path]) -> None:
         """Drop all but these."""
+        self._texels.keep(paths)
+        self._tiles.keep(paths)
         for path in self._held.keys() - paths:
             del self._held[path]
 
     def clear(self) -> None:
         """Drop all."""
         self._held.clear()
-
-
-def table_stamp(path: Path) -> tuple:
-    """What changes when a table is baked again; empty where a file is missing."""
-    stamps = [file_stamp(path.with_suffix(suffix)) for suffix in (".exr", ".json")]
-    return () if None in stamps else tuple(stamps)
+        self._texels.clear()
+        self._tiles.clear()

@@ -568,6 +568,35 @@ def test_esc_stops_a_threaded_operator(project):
     assert window.timers == 0 and progress.running() is None
 
 
+def test_disabling_the_extension_stops_a_threaded_operator(project, monkeypatch):
+    """Blender frees the operator without a word; the next one would find a computation that never ends."""
+    from types import SimpleNamespace
+
+    from diffraction_shader.addon import operators
+    from diffraction_shader.addon.jobs import job, progress, threaded
+    from diffraction_shader.precompute.errors import Cancelled
+
+    operators.unregister()  # nothing is at work
+
+    def work(report):
+        for _ in range(6000):
+            report("on", 0.5)
+            time.sleep(0.01)
+
+    class Operator(threaded.Threaded):
+        def jobs(self, context):
+            self.last = job.Job(work)
+            return [self.last]
+
+    window, operator = Window(), Operator()
+    operator.invoke(window, None)
+    monkeypatch.setattr(threaded, "bpy", SimpleNamespace(context=window))
+    operators.unregister()
+    assert window.timers == 0 and progress.running() is None and window.texts[-1] is None
+    with pytest.raises(Cancelled):
+        operator.last.result()
+
+
 def given(cls, **values):
     """Stands in for an operator that a panel's button calls."""
     values["properties"] = type("Given", (), {"is_property_set": lambda self, name, ghost=True: name in values})()

@@ -55,7 +55,7 @@ def test_flss(renderer, tmp_path, series):
     write_gsf(HeightField(heights, STEP, STEP), tmp_path / "patch.gsf")
     parameters = BakeParameters(sigma_s_m=SIGMA, ensemble="single", series=series, detail=0.25)
     report = bake_file(tmp_path / "patch.gsf", tmp_path, parameters)
-    table = textures.upload(report.table)
+    table = textures.upload(textures.texels(report.table))
     terms = on_gpu.SeriesTextures().get(report.path, report.table.info)
 
     size, light = 24, np.array([0.2, -0.1, 0.0])

@@ -7,16 +7,7 @@ import pytest
 
 from precompute.light.colour import luminance_row
 from tests.support.blender import drawing, extension, materials, scenes, tables
-
-
-def picture(rows=64, cols=128):
-    """Scene-linear RGB of a sky with soft colours and two bright spots."""
-    y, x = np.mgrid[0:rows, 0:cols]
-    lat, lon = (y / rows - 0.5) * np.pi, x / cols * 2 * np.pi
-    rgb = np.stack([0.3 + 0.3 * np.sin(lon), 0.3 + 0.2 * np.sin(lat), 0.4 - 0.2 * np.cos(lon)], -1)
-    rgb[40:46, 30:38] += 8.0
-    rgb[20:23, 80:86, 0] += 15.0
-    return rgb.astype(np.float32)
+from tests.support.blender.worlds import spotted_sky
 
 
 def surround(rgb, rotation=(0.0, 0.0, 0.0), strength=1.0):
@@ -54,7 +45,7 @@ def test_the_square_holds_the_sphere(blender):
 def test_levels_keep_the_light(blender):
     from diffraction_shader.addon.viewport.data import sky
 
-    rgb = picture()
+    rgb = spotted_sky()
     lat = (np.arange(64) + 0.5) / 64 * np.pi
     mean = (rgb * np.sin(lat)[:, None, None]).sum((0, 1)) / (np.sin(lat).sum() * 128)
     squares = sky.levels(rgb)
@@ -81,7 +72,7 @@ def sphere_under(tmp_path, rotation):
     scenes.add_camera((0.4, -1, 0.5))
     tables.make_table(tmp_path / "t.exr", tables.gentle)
     materials.diffracting(ob, tmp_path / "t.exr", fresnel="NONE", environment=4)
-    return surround(picture(), rotation)
+    return surround(spotted_sky(), rotation)
 
 
 def middle(size):
@@ -154,7 +145,7 @@ def test_what_surrounds_a_view(blender, tmp_path):
     """Material Preview's studio light with its turn and strength, the world where that is chosen, lamps on and off."""
     from diffraction_shader.addon.viewport import offscreen, surroundings
 
-    surround(picture(), strength=3.0)
+    surround(spotted_sky(), strength=3.0)
     scene = bpy.context.scene
     with offscreen.view_3d() as override, bpy.context.temp_override(**override):
         shading = override["space_data"].shading
@@ -194,6 +185,40 @@ def test_drawings_of_a_picture_share_the_directions(renderer, tmp_path):
         many = drawing.alone(renderer, 32, points=1)[inside]
     errors = [np.abs(each - many).mean() for each in drawn]
     assert np.abs(np.mean(drawn, 0) - many).mean() < 0.8 * np.mean(errors)  # the rest is the blur of the sky
+
+
+def test_a_window_waits_for_no_sky(blender):
+    """Of what takes long nothing is done in the window's thread; an image that holds nothing is asked for once."""
+    import threading
+    import time
+
+    from diffraction_shader.addon.gpu_context import ensure_gpu
+    from diffraction_shader.addon.viewport.data import sky
+
+    ensure_gpu()
+    where, asked = [], []
+    real = sky.levels
+
+    def levels(pixels):
+        where.append(threading.current_thread())
+        return real(pixels)
+
+    def read(one):
+        asked.append(one)
+        return None if one.path == "empty" else (np.ones((8, 16, 3), np.float32), np.zeros((0, 7), np.float32))
+
+    skies = sky.Skies(read)
+    flat = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(sky, "levels", levels)
+        for path in ("full", "empty"):
+            one = sky.Sky("", path, (1,), flat, (1.0, 1.0, 1.0))
+            assert skies.get(one) is None
+            deadline = time.monotonic() + 60.0
+            while skies._make_soon(one) is not None and time.monotonic() < deadline:
+                time.sleep(0.01)
+            assert (skies.get(one) is None) is (path == "empty")
+    assert len(asked) == 2 and len(where) == 1 and where[0] is not threading.main_thread()
 
 
 def test_a_scaled_surface_under_an_even_sky(renderer, tmp_path):

@@ -13,7 +13,7 @@ def eye(size):
     return camera.matrix_world.normalized().inverted(), camera.calc_matrix_camera(depsgraph, x=size, y=size)
 
 
-def alone(renderer, size=96, display=False, moved=(0.0, 0.0), asks=None, **view):
+def alone(renderer, size=96, display=False, moved=(0.0, 0.0), asks=None, gathers=None, **view):
     """What the renderer draws on black without any depth: linear RGB (size, size, 3), row 0 at the bottom."""
     import gpu
     from diffraction_shader.addon.viewport import looks, manners, offscreen
@@ -25,7 +25,7 @@ def alone(renderer, size=96, display=False, moved=(0.0, 0.0), asks=None, **view)
             gpu.state.active_framebuffer_get().clear(color=(0, 0, 0, 0), depth=1.0)
             renderer.draw(
                 bpy.context.evaluated_depsgraph_get(), np.array(view_matrix), np.array(projection),
-                looks.View(**view), display, lambda ob: True, moved=moved,
+                looks.View(**view), display, lambda ob: True, moved=moved, gathers=gathers,
                 asks=manners.PLAIN if asks is None else asks,
             )  # fmt: skip
         assert not renderer.message, renderer.message

@@ -30,3 +30,13 @@ def picture_world(rgb):
     node.image = picture(rgb)
     world.node_tree.links.new(node.outputs[0], world.node_tree.nodes["Background"].inputs["Color"])
     return node
+
+
+def spotted_sky(rows=64, cols=128):
+    """Scene-linear RGB of a sky with soft colours and two bright spots."""
+    y, x = np.mgrid[0:rows, 0:cols]
+    lat, lon = (y / rows - 0.5) * np.pi, x / cols * 2 * np.pi
+    rgb = np.stack([0.3 + 0.3 * np.sin(lon), 0.3 + 0.2 * np.sin(lat), 0.4 - 0.2 * np.cos(lon)], -1)
+    rgb[40:46, 30:38] += 8.0
+    rgb[20:23, 80:86, 0] += 15.0
+    return rgb.astype(np.float32)
