@@ -489,13 +489,19 @@ def read_origin(path: str | os.PathLike[str]) -> tuple[str, float] | None:
     if not Path(path).is_file():
         return None
     try:
-        with OpenEXR.File(os.fspath(path)) as file:
+        with OpenEXR.File(os.fspath(path), header_only=True) as file:
             header = file.header()
-            if header.get("importanceVersion") != VERSION:
+            if header.get("importanceVersion") != VERSION or Path(path).stat().st_size < _least_bytes(header):
                 return None
             return header["atlasSha256"], float(header["albedoFreeCosine"])
     except Exception:  # whatever is wrong with it, it is made anew
         return None
+
+
+def _least_bytes(header: dict) -> int:
+    """What an image cannot be shorter than: its numbers are not compressed, and each row has its place and its size."""
+    (left, top), (right, bottom) = header["dataWindow"]
+    return int(bottom - top + 1) * (int(right - left + 1) * 3 * np.dtype(np.float32).itemsize + 16)
 
 
 def ensure_importance(path: str | os.PathLike[str], table: SpectralTable | None = None) -> tuple[Path, float]:

@@ -117,7 +117,7 @@ class Desk:
         self.wait()
         return offered
 
-    def render(self, seconds=900.0):
+    def render(self, seconds=1500.0):
         """F12 over the 3-D view; the picture as rows of RGB that a display shows."""
         import numpy as np
 
@@ -126,7 +126,8 @@ class Desk:
         self.driver.key("F12")
         time.sleep(0.5)
         deadline = time.monotonic() + seconds
-        while self.run("print(bpy.app.is_job_running('RENDER'))") == "True":
+        # A window stands still while EEVEE compiles, minutes without a GPU.
+        while self.run("print(bpy.app.is_job_running('RENDER'))", seconds) == "True":
             assert time.monotonic() < deadline, "The render did not end"
             time.sleep(0.2)
         place = self.work / "render.png"

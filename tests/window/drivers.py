@@ -206,16 +206,17 @@ class Rig:
         self.run((HERE / "probe.py").read_text(encoding="utf-8"))
         self._at = (10, 10)
 
-    def _x(self, *words, timeout=120):
+    def _x(self, *words, timeout=120.0):
         done = subprocess.run(
             ["bash", str(self._scripts / "x.sh"), str(self._folder), *map(str, words)],
-            capture_output=True, text=True, timeout=timeout, check=False,
+            capture_output=True, text=True, timeout=timeout + 10.0, check=False,
+            env={**os.environ, "TIMEOUT": str(round(timeout))},
         )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr
         return done.stdout.strip()
 
     def run(self, code, timeout=300.0):
-        return self._x("py", code)
+        return self._x("py", code, timeout=timeout)
 
     def turn(self):
         self.run("0")

@@ -128,7 +128,7 @@ def watch_panels():
 
 def _watched(name, draw):
     def draw_and_note(self, context):
-        _drawn.add(name)
+        _drawn.add(name.removesuffix("_guide"))
         return draw(self, context)
 
     draw_and_note.watched = True

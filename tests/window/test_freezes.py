@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How long the window stands still while the extension works, beside a redraw of the same window without it.
 
-Prints a table and writes it to out/window/freezes.md; speed is not asserted.
+Prints a table and writes it to out/window/freezes.md. What is asserted is the work of Blender's main thread, which
+other programs of the machine lengthen little: beyond a redraw of the same window a fifth of a second, the first *Apply*
+of a table excepted.
 """
 
 import math
@@ -10,6 +12,9 @@ import pytest
 
 from precompute.presets import make_preset
 from precompute.scan.gsf import write_gsf
+
+#: Seconds that the main thread may work in one go beyond a redraw; of the first *Apply* more: its nodes are made then.
+MOST, MOST_FIRST = 0.2, 0.4
 
 MODULE = "bl_ext.user_default.diffraction_shader"
 
@@ -84,3 +89,7 @@ def test_table_of_freezes(enabled, scan, capsys):
     with capsys.disabled():
         print("\n" + text)
     assert len(rows) >= 8 and all(gap > 0.0 and not math.isinf(gap) for _, gap, _ in rows)
+    if not math.isnan(floor_busy):  # a rig does not tell
+        limits = {"apply, Nodes": MOST_FIRST}
+        over = {name: busy - floor_busy for name, _, busy in rows if busy - floor_busy > limits.get(name, MOST)}
+        assert over == {}

@@ -51,7 +51,7 @@ def test_panel(ball, stage):
     ball.run(f"show_only(['main', {stage!r}, *{STAGES[stage]!r}])")
     try:
         ball.open_sidebar()
-        assert f"DIFFRACTION_PT_{stage}_guide" in ball.open_panels()
+        assert f"DIFFRACTION_PT_{stage}" in ball.open_panels()
         picture = ball.picture(f"guide_{stage}", region="UI")
     finally:
         ball.run("show_all()")

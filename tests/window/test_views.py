@@ -2,6 +2,7 @@
 """3-D views: the modes of shading, what a view leaves out, and the buttons that make pictures."""
 
 import re
+import time
 
 import numpy as np
 import pytest
@@ -201,4 +202,33 @@ def test_open_large_shows_the_levelling(surface):
     assert surface.look("len(bpy.context.window_manager.windows)") == windows
     surface.close_windows()
     assert windows == before + 1 and "Diffraction Levelling" in shown
+    assert surface.console() == []
+
+
+def test_a_sky_world_lights_the_view_and_the_window_does_not_wait_for_it(surface):
+    surface.run(f"""
+{VIEW}.shading.type = 'SOLID'
+bpy.data.objects['Light'].hide_set(True)
+tree = bpy.context.scene.world.node_tree
+tree.nodes.clear()
+sky, ground, output = (tree.nodes.new('ShaderNode' + n) for n in ('TexSky', 'Background', 'OutputWorld'))
+tree.links.new(sky.outputs[0], ground.inputs[0])
+tree.links.new(ground.outputs[0], output.inputs[0])
+""")
+    skies = "addon('viewport.kept').renderer.skies"
+    shares = []
+    for elevation in (0.3, 1.2):
+        surface.run(f"sky.sun_elevation = {elevation}")
+        surface.settle()
+        surface.driver.gaps()
+        deadline = time.monotonic() + 600.0
+        while surface.look(f"bool({skies}._waiting)") or not surface.look(f"len({skies}._held)"):
+            assert time.monotonic() < deadline, surface.look(f"{skies}.message")
+            surface.watch(1.0)
+        busy = max((work for _, work in surface.driver.gaps()), default=0.0)
+        assert not busy > 0.3
+        shares.append(drawn(surface, f"41_sky_{elevation}"))
+        assert (shares[-1] > 0.02).any() and surface.look(f"{skies}.message") == ""
+    assert np.abs(shares[0] - shares[1]).max() > 0.02
+    surface.run("bpy.data.objects['Light'].hide_set(False)")
     assert surface.console() == []
