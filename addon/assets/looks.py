@@ -92,7 +92,7 @@ class Asset:
             # Layers over melanin send one colour back, metal all of them.
             return 0.5 if "melanin" not in look_of(self.preset).substrate else 1.5
         if self.species == "SUNBEAM":
-            return 0.4
+            return 0.2
         return {"DISC": 0.12, "CARD": 0.35, "PLATE": 0.35}.get(self.shape, 1.0)
 
 

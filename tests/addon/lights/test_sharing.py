@@ -98,9 +98,11 @@ def on_plane(table, implementation="OSL"):
 def test_two_strips_are_the_sum_of_each(blender, blazed, apart, colours, implementation):
     on_plane(blazed, implementation)
     first, second = (0, colours[0]), (apart, colours[1])
-    # The blue strip lies off the order: its dim light, of narrow lobes, varies by 4 % from seed to seed at 256.
-    samples = 256 if apart < 1.0 else 4096
-    assert strips(samples, first, second) == pytest.approx(strips(256, first) + strips(256, second), rel=0.03)
+    # The blue strip lies off the order: its dim light, of narrow lobes, varies by 4 % from seed to seed at 256, and by
+    # 2.3 % alone.
+    together, alone = (1024 if apart < 1.0 else 4096), 1024 if colours[1] == BLUE else 256
+    found = strips(together, first, second)
+    assert found == pytest.approx(strips(alone, first) + strips(alone, second), rel=0.03)
 
 
 @pytest.mark.slow
@@ -112,15 +114,17 @@ def test_panel_of_sixteen_is_the_sum_of_each(blender, blazed, implementation):
     assert together == pytest.approx(sum(shot(256, [one_tile(4, number)]) for number in range(16)), rel=0.03)
 
 
+@pytest.mark.slow
 @BOTH
 def test_thin_lamp_beside_a_dark_one_shines_as_alone(blender, blazed, implementation):
     """Narrow lobes keep clear of its edge, whose f counts all the same: 9 % were lost in OSL and 14 % in nodes."""
     on_plane(blazed, implementation)
-    alone = strips(256, (1.0, BLUE))
+    alone = strips(2048, (1.0, BLUE))
     dark = area((1, 1.2, 1.6), (0, 0, 0), BLUE, 1e-3, shape="RECTANGLE", size=0.2, size_y=2)
-    beside = strips(1024, (1.0, BLUE))
+    beside = strips(8192, (1.0, BLUE))
     bpy.data.objects.remove(dark)
-    assert beside[2] == pytest.approx(alone[2], rel=0.06)  # 2 % of it noise
+    # Means of four seeds are 2.4 % apart in OSL, of six 3.2 +- 1.3 % in nodes; the ratio varies by 1.3 % of noise.
+    assert beside[2] == pytest.approx(alone[2], rel=0.07)
 
 
 @pytest.mark.parametrize("spread", [60, 20])

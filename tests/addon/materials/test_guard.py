@@ -113,8 +113,8 @@ def test_another_image_shows_the_pigment_alone(ball, tmp_path, change, implement
     alone, whole = pigment_alone(node), scenes.render(24, samples=4)
     assert whole.max() > 2 * alone.max()
     change(node, tmp_path)
-    if change is set_limit and implementation == "OSL" and bpy.app.version < (5, 0, 0):
-        alone = whole  # OSL of Blender 4.5 reads its files by itself
+    if change is set_limit and implementation == "OSL" and bpy.app.version < (5, 2, 0):
+        alone = whole  # OSL of Blender before 5.2 reads its files by itself
     np.testing.assert_allclose(scenes.render(24, samples=4), alone, rtol=0.02, atol=1e-3)
 
 
@@ -134,11 +134,15 @@ def test_directions_of_another_image_are_not_drawn(ball, tmp_path, implementatio
     node.inputs["Environment"].default_value = 0
     lamps = scenes.render(24, samples=64)
     node.inputs["Environment"].default_value = 1
-    assert whole.mean() > 1.05 * lamps.mean()
+
+    def brighter(image):  # of most pixels: the mean is that of the lamp's mirror image
+        return float(np.median((image.mean(-1) / lamps.mean(-1))[lamps.mean(-1) > 1.01 * lamps.min()]))
+
+    assert brighter(whole) > 1.05
     image = node.node_tree["diffraction_importance"]
     image.scale(image.size[0] // 2, image.size[1] // 2)
     rewrite(image, tmp_path / "directions.exr")
-    np.testing.assert_allclose(scenes.render(24, samples=64).mean((0, 1)), lamps.mean((0, 1)), rtol=0.01)
+    assert brighter(scenes.render(24, samples=64)) == pytest.approx(1.0, abs=0.01)
 
 
 def test_both_images_hold_the_guard(ball):

@@ -192,20 +192,28 @@ def test_directions_on_a_scaled_surface_give_its_mean(table, found, view, scale,
 @pytest.mark.parametrize(
     ("name", "scale", "depth", "bound"),
     [
-        ("snake", 1.0, 0.8, 1.3), ("snake", 1.0, 0.4, 1.3), ("snake", 0.5, 0.5, 1.3), ("snake", 0.8, 1.0, 1.6),
+        ("snake", 1.0, 0.8, 1.3), ("snake", 1.0, 0.4, 1.3), ("snake", 0.5, 0.5, 1.3), ("snake", 0.8, 1.0, 1.4),
         ("blazed", 1.0, 0.4, 1.6),
     ],
 )  # fmt: skip
 def test_noise_of_a_scaled_surface_is_near_that_of_the_plain_one(name, scale, depth, bound):
-    """Relative spread of a sample over that at 1, root mean square of four views (without sets of views: up to 15)."""
+    """Relative spread of a sample over that at 1, root mean square of four views (without sets of views: up to 15).
+
+    Stretched surfaces take one of two directions, as ``shaders/diffraction.osl`` does.
+    """
     table, found = preset(name)
-    light = sky
 
     def spread(s, q, wr):
-        wi, gain = found.draw_scaled(wr, *np.random.default_rng(3).random((2, 30_000)), s, q)
-        lit = gain > 0.0
-        value = np.zeros(len(gain))
-        value[lit] = radiance.f_cos_xyz(ScaledTable(table, s, q), wi[lit], wr)[:, 1] * gain[lit] * light(wi[lit])
+        xi = np.random.default_rng(3).random((3, 30_000))
+        weights, light = [], []
+        for shift in (0.0, 0.5) if s < 0.95 else (0.0,):
+            wi, gain = found.draw_scaled(wr, *np.mod(xi[:2] + shift, 1.0), s, q)
+            lit = gain > 0.0
+            weights.append(np.zeros(len(gain)))
+            weights[-1][lit] = radiance.f_cos_xyz(ScaledTable(table, s, q), wi[lit], wr)[:, 1] * gain[lit]
+            light.append(sky(wi))
+        both = sum(weights)
+        value = both / len(weights) * np.where(xi[2] * both < weights[-1], light[-1], light[0])
         return value.std() / value.mean()
 
     ratios = [spread(scale, depth, wr) / spread(1.0, 1.0, wr) for wr in (direction(*v) for v in VIEWS[:4])]
