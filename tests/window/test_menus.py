@@ -29,11 +29,12 @@ def test_other_channels_of_the_file(enabled, channels):
     call = f"bpy.ops.diffraction.import_scan(filepath={str(channels)!r})"
     enabled.run(f"with within('VIEW_3D', 'WINDOW'): {call}")
     enabled.open_sidebar()
-    for number, said in ((1, "channel Retrace"), (0, "channel Trace")):
-        enabled.press_near("diffraction.import_scan", 0.5, lines=6.5)
+    for number, high in ((1, "19.99 nm high"), (0, "23.99 nm high")):
+        told = enabled.state("scan_info").split(", ")  # a line each, below the scan's name
+        enabled.press_near("diffraction.import_scan", 0.5, lines=2.5 + len(told))
         enabled.shot("65_channels")
         enabled.pick(number)
-        assert said in enabled.state("scan_info")
+        assert high in enabled.state("scan_info")
     assert enabled.console() == []
 
 
@@ -50,14 +51,17 @@ def test_kept_settings_come_back_from_their_menu(enabled, work, button, field, v
     with enabled.only("scan", "preset", "bake"):
         for index, value in enumerate(values):
             enabled.enter(field, value)
-            enabled.press(f"diffraction.{button}", wait=False, share=0.79)
+            x, y = enabled.find(f"diffraction.{button}", share=0.79)
+            enabled.driver.click(x, y)
             enabled.settle()
+            line = enabled.look("bpy.context.preferences.system.ui_scale")
+            enabled.driver.click(x, round(y - 4 * line))  # the name in the dialog that has opened there
             enabled.driver.key("A", ctrl=True)
             enabled.driver.type("abcd"[2 * index : 2 * index + 2])
             enabled.driver.key("RET")
             enabled.settle()
             enabled.shot(f"66_{button}")
-            enabled.driver.key("RET")
+            enabled.driver.click(x, round(y - 34 * line))  # OK
             enabled.settle()
         for index in (0, 1, 0):
             enabled.press_near(f"diffraction.{button}", 0.715, found_at=0.79)

@@ -32,6 +32,18 @@ def test_a_window_draws_without_a_table_till_it_is_read(renderer, sphere):
     assert drawing.alone(renderer, display=True) == pytest.approx(first, abs=1e-3)
 
 
+def test_albedos_of_a_scaled_surface_are_read_beside_the_window_too(renderer, sphere):
+    node = sphere.data.materials[0].node_tree.nodes["Diffraction"]
+    node.inputs["Scale"].default_value = 0.8
+    bpy.context.view_layer.update()
+    renderer.note()
+    for _ in range(2):  # the table, then its tiles
+        assert not drawing.alone(renderer, display=True).any()
+        read_by_now(renderer)
+    assert drawing.alone(renderer, display=True).any()
+    assert drawing.alone(renderer).any()
+
+
 def test_the_last_bake_is_shown_till_the_new_one_is_read(renderer, sphere, tmp_path):
     drawing.alone(renderer)
     first = drawing.alone(renderer, display=True)
