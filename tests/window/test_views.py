@@ -226,7 +226,7 @@ tree.links.new(ground.outputs[0], output.inputs[0])
             assert time.monotonic() < deadline, surface.look(f"{skies}.message")
             surface.watch(1.0)
         busy = max((work for _, work in surface.driver.gaps()), default=0.0)
-        assert not busy > 0.3
+        assert not busy > 1.0  # the first drawing under a sky compiles a shader
         shares.append(drawn(surface, f"41_sky_{elevation}"))
         assert (shares[-1] > 0.02).any() and surface.look(f"{skies}.message") == ""
     assert np.abs(shares[0] - shares[1]).max() > 0.02
