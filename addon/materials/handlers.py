@@ -16,7 +16,7 @@ from mathutils import Vector
 from .. import app_handlers, notices
 from ..lights import emitters, gather, instances, light_list
 from . import material, setup
-from .node import group, migrate
+from .node import eevee_output, group, migrate
 
 #: What was said of each scene's lights, so that it is said once.
 _said: dict[int, str] = {}
@@ -107,7 +107,13 @@ def _quick_look() -> tuple:
 
 @persistent
 def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-    if _at_work or not material.any_ours() or not _needs_search(depsgraph):
+    if _at_work or not material.any_ours():
+        return
+    if any(isinstance(update.id, (bpy.types.NodeTree, bpy.types.Material)) for update in depsgraph.updates):
+        for each in bpy.data.materials:
+            if each.is_editable and each.node_tree is not None:
+                eevee_output.follow(each.node_tree)
+    if not _needs_search(depsgraph):
         return
     update_lights(scene, depsgraph)
     for each in bpy.data.scenes:

@@ -16,7 +16,7 @@ from ...precompute.table.table import read_sidecar
 from .. import colour_spaces, paths
 from ..versions import give_nodes, tells_mirrored_uv
 from . import osl, pigment, setup, travel
-from .node import frame, group, keys
+from .node import eevee_output, frame, group, keys
 from .node.group import NODE
 from .scales.wire import wire as wire_scales
 
@@ -317,6 +317,7 @@ def _connect(node: Any, settings: Settings) -> None:
         dark.inputs["Color"].default_value = DARK
         dark.location = (node.location.x - 240.0, node.location.y)
         tree.links.new(dark.outputs["BSDF"], node.inputs["Base"])
+    eevee_output.connect(tree, node, settings.implementation == "NODES")
     _take_over(tree, node)
     _orient(tree, node, settings)
     wire_scales(tree)

@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 14
+VERSION = 15
 
 
 def build(
@@ -90,8 +90,9 @@ def build(
     if layout.guarded:
         intact = lookup.guard(graph, atlas, layout.guard_x, layout.guard_y, layout.width, layout.height, in_eevee)
         shows = graph.product(shows, intact)
-    shaded = surface.mixed(shows, given["Base"], shaded)
-    graph.put(graph.add("NodeGroupOutput").inputs[interface.OUTPUT], shaded)
+    out = graph.add("NodeGroupOutput").inputs
+    for name, shader in ((interface.OUTPUT, shaded), (interface.EEVEE, eevee)):
+        graph.put(out[name], surface.mixed(shows, given["Base"], shader))
 
 
 def _on_a_surface(graph: Graph) -> Socket:

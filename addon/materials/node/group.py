@@ -148,15 +148,18 @@ def _mask(tree: bpy.types.NodeTree) -> None:
     graph = Graph(tree)
     out: Any = next(node for node in tree.nodes if node.bl_idname == "NodeGroupOutput")
     given = graph.add("NodeGroupInput", label="Mask")
-    mix = graph.add("ShaderNodeMixShader", label="Where the structure is")
-    shaded = out.inputs[interface.OUTPUT]
-    tree.links.new(given.outputs["Mask"], mix.inputs[0])
-    tree.links.new(given.outputs["Base"], mix.inputs[1])
-    tree.links.new(shaded.links[0].from_socket, mix.inputs[2])
-    tree.links.new(mix.outputs[0], shaded)
     out.location.x += 240.0
-    mix.location = (out.location.x - 180.0, out.location.y)
-    given.location = (mix.location.x, mix.location.y - 60.0)
+    for row, name in enumerate((interface.OUTPUT, interface.EEVEE)):
+        shaded = out.inputs[name]
+        source = shaded.links[0].from_socket
+        if source.node.bl_idname == "NodeGroupInput":  # the pigment itself
+            continue
+        mix = graph.add("ShaderNodeMixShader", label="Where the structure is")
+        for socket, value in zip(mix.inputs, (given.outputs["Mask"], given.outputs["Base"], source), strict=True):
+            tree.links.new(value, socket)
+        tree.links.new(mix.outputs[0], shaded)
+        mix.location = (out.location.x - 180.0, out.location.y - 160.0 * row)
+    given.location = (out.location.x - 180.0, out.location.y + 60.0)
 
 
 def _existing(image: bpy.types.Image, implementation: str, variant: str) -> bpy.types.NodeTree | None:
@@ -209,6 +212,7 @@ def _fill_with_osl(tree: bpy.types.NodeTree, stem: str, source: str, own: Any) -
         tree.links.new(value, socket)
     choice: list[Any] = [runs, *nodes_twin.by_engine(graph, runs.outputs[0], given.outputs["Base"])]
     tree.links.new(choice[-1].outputs[0], out.inputs[interface.OUTPUT])
+    tree.links.new(given.outputs["Base"], out.inputs[interface.EEVEE])
 
     given.location, script.location, out.location = (-300.0, 0.0), (300.0, 0.0), (900.0, 0.0)
     given.hide = script.hide = out.hide = False

@@ -98,8 +98,8 @@ PANELS = {
 
 _LIMITS = ("min_value", "max_value")
 
-#: The node's one output.
-OUTPUT = "BSDF"
+#: The node's output, and what EEVEE reads of it in less time (`eevee_output`).
+OUTPUT, EEVEE = "BSDF", "EEVEE"
 
 
 def make(
@@ -107,6 +107,9 @@ def make(
     sockets: tuple[Socket, ...] = SOCKETS,
     panels: Mapping[str, str] = PANELS,
     outputs: Mapping[str, tuple[str, str]] = MappingProxyType({OUTPUT: (_SHADER, "Pigment and diffracted light")}),
+    more: Mapping[str, tuple[str, str]] = MappingProxyType(
+        {EEVEE: (_SHADER, "The same for EEVEE alone, which needs minutes to make a shader of BSDF")}
+    ),
 ) -> None:
     """Give a group sockets; those that it has stay, with the limits of today.
 
@@ -120,6 +123,8 @@ def make(
         Name: text.
     outputs
         Name: (socket type, text).
+    more
+        Outputs that came after the inputs.
     """
     items = tree.interface
     there = {(item.item_type, getattr(item, "in_out", ""), item.name): item for item in items.items_tree}
@@ -138,3 +143,6 @@ def make(
         for key in _LIMITS if known else ("subtype", *_LIMITS, "default_value", "hide_value"):
             if key in socket.properties and getattr(item, key) != socket.properties[key]:
                 setattr(item, key, socket.properties[key])
+    for name, (kind, text) in more.items():
+        if ("SOCKET", "OUTPUT", name) not in there:
+            items.new_socket(name, in_out="OUTPUT", socket_type=kind, description=text)

@@ -15,10 +15,7 @@ import bpy
 from ....precompute.errors import DiffractionError
 from ...tables import recipe
 from .. import material as materials
-from . import frame, group, interface, keys
-
-#: The second output of Nodes materials of 0.1.0.
-_EEVEE_OUTPUT = "EEVEE Output"
+from . import eevee_output, frame, group, interface, keys
 
 _SOCKET = re.compile(r'^nodes\["Diffraction"\]\.inputs\[(\d+)\]\.default_value$')
 
@@ -75,7 +72,7 @@ def migrate(material: bpy.types.Material) -> None:
     for output in ("BSDF",):
         for link in list(old.outputs[output].links):
             tree.links.new(node.outputs[output], link.to_socket)
-    second = tree.nodes.get(_EEVEE_OUTPUT)
+    second = tree.nodes.get(eevee_output.NAME)
     if second is not None:
         tree.nodes.remove(second)
         for each in tree.nodes:
@@ -85,6 +82,7 @@ def migrate(material: bpy.types.Material) -> None:
     node.name = group.NODE
     _renumber(tree, names, [socket.name for socket in node.inputs])
     _simplify(tree, node, settings)
+    eevee_output.connect(tree, node, settings.implementation == "NODES")
     if recipe.KEY in material and recipe.KEY not in made:
         made[recipe.KEY] = material[recipe.KEY]
     for key in (keys.TABLE, keys.ATLAS, keys.IMPORTANCE, keys.SHA256, keys.ILLUMINANT, recipe.KEY):

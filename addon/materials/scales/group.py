@@ -59,7 +59,7 @@ def build() -> bpy.types.NodeTree:
         tree = bpy.data.node_groups.new(NAME, "ShaderNodeTree")
     elif tree[KEY] == VERSION:
         return tree
-    interface.make(tree, sockets.SOCKETS, sockets.PANELS, sockets.OUTPUTS)
+    interface.make(tree, sockets.SOCKETS, sockets.PANELS, sockets.OUTPUTS, {})
     tree.nodes.clear()
     batch.make(lambda: _fill(Graph(tree)))
     tree[KEY] = VERSION

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""EEVEE reads an output of its own, which leads to none of the nodes that Cycles needs."""
+
+import bpy
+import pytest
+
+from tests.support.blender import materials, scenes, tables
+
+
+@pytest.fixture
+def made(blender, tmp_path):
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    return materials.diffracting(scenes.add_plane(), tmp_path / "t.exr", "NODES")
+
+
+def reached(socket):
+    """How many nodes lead to a socket, those of groups too."""
+    seen, todo, count = set(), [socket], 0
+    while todo:
+        for link in todo.pop().links:
+            node, source = link.from_node, link.from_socket
+            if node.bl_idname == "ShaderNodeGroup":
+                if (node, source.identifier) in seen:
+                    continue
+                seen.add((node, source.identifier))
+                end = next(n for n in node.node_tree.nodes if n.bl_idname == "NodeGroupOutput")
+                count += reached(end.inputs[source.name])
+            elif node in seen:
+                continue
+            seen.add(node)
+            count += 1
+            todo += node.inputs
+    return count
+
+
+def of_eevee(tree):
+    return tree.get_output_node("EEVEE")
+
+
+def test_eevee_sees_a_small_part_of_the_nodes(made):
+    tree = made.node_tree
+    eevee, cycles = (tree.get_output_node(name).inputs["Surface"] for name in ("EEVEE", "CYCLES"))
+    assert eevee.links[0].from_socket.name == "EEVEE"
+    assert cycles.links[0].from_socket.name == "BSDF"
+    assert 100 < reached(eevee) < 0.3 * reached(cycles)
+
+
+def test_the_output_goes_with_the_node(made):
+    tree = made.node_tree
+    pigment = tree.nodes["Pigment"].outputs[0]
+    tree.nodes.remove(tree.nodes["Diffraction"])
+    tree.links.new(pigment, tree.get_output_node("CYCLES").inputs["Surface"])
+    made.update_tag()
+    bpy.context.view_layer.update()
+    assert of_eevee(tree).target == "ALL"
+
+
+def test_displacement_is_that_of_the_main_output(made):
+    tree = made.node_tree
+    relief = tree.nodes.new("ShaderNodeDisplacement")
+    main = tree.get_output_node("CYCLES").inputs["Displacement"]
+    tree.links.new(relief.outputs[0], main)
+    bpy.context.view_layer.update()
+    assert of_eevee(tree).inputs["Displacement"].links[0].from_node == relief
+    tree.links.remove(main.links[0])
+    bpy.context.view_layer.update()
+    assert not of_eevee(tree).inputs["Displacement"].links
+
+
+def test_an_output_of_the_users_own_stays(blender, tmp_path):
+    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    material = bpy.data.materials.new("own")
+    from diffraction_shader.addon.versions import give_nodes
+
+    nodes = give_nodes(material).nodes
+    theirs = nodes.new("ShaderNodeOutputMaterial")
+    theirs.target = "EEVEE"
+    shader = nodes.new("ShaderNodeEmission")
+    material.node_tree.links.new(shader.outputs[0], theirs.inputs["Surface"])
+    from diffraction_shader.addon.materials import material as ours
+
+    ours.apply(material, tmp_path / "t.exr", ours.Settings(implementation="NODES"))
+    assert of_eevee(material.node_tree) == theirs
+    assert theirs.inputs["Surface"].links[0].from_node == shader
+
+
+def test_a_mixed_node_is_left_to_its_user(made, tmp_path):
+    tree = made.node_tree
+    node = tree.nodes["Diffraction"]
+    tree.nodes.remove(of_eevee(tree))
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    main = tree.get_output_node("CYCLES").inputs["Surface"]
+    tree.links.new(node.outputs["BSDF"], mix.inputs[1])
+    tree.links.new(mix.outputs[0], main)
+    from diffraction_shader.addon.materials import material as ours
+
+    ours.apply(made, tmp_path / "t.exr", ours.Settings(implementation="NODES"))
+    assert main.links[0].from_node == mix
+    assert of_eevee(tree).target == "ALL"
