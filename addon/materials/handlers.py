@@ -110,9 +110,9 @@ def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -
     if _at_work or not material.any_ours():
         return
     if any(isinstance(update.id, (bpy.types.NodeTree, bpy.types.Material)) for update in depsgraph.updates):
-        for each in bpy.data.materials:
-            if each.is_editable and each.node_tree is not None:
-                eevee_output.follow(each.node_tree)
+        for known in bpy.data.materials:
+            if known.is_editable and known.node_tree is not None:
+                eevee_output.follow(known.node_tree)
     if not _needs_search(depsgraph):
         return
     update_lights(scene, depsgraph)

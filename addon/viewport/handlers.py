@@ -35,6 +35,7 @@ def draw_view() -> None:
     around = surroundings.of_shading(scene, space.shading)
     asks = manners.of_view(context, space, context.region_data, eevee)
     view = scene.diffraction_viewport.view()
+    region = context.region.as_pointer() if context.region is not None else 0
     if asks.see_through < 1.0:  # nothing is opaque there
         view = replace(view, surface="ADD")
     renderer.draw(
@@ -49,10 +50,10 @@ def draw_view() -> None:
         loose_depth=eevee,
         asks=asks,
         around=around,
-        gathers=context.region.as_pointer(),
+        gathers=region,
     )
-    if renderer.gathering.wants_more(context.region.as_pointer()):
-        _again.ask(context.area, moved=not renderer.gathering.has_begun(context.region.as_pointer()))
+    if context.area is not None and renderer.gathering.wants_more(region):
+        _again.ask(context.area, moved=not renderer.gathering.has_begun(region))
 
 
 #: Seconds for which a view stands still before it is drawn again, and between two such drawings at least and at most.

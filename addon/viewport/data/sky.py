@@ -255,7 +255,8 @@ class _Texels:
             return None
         if self._texels is None:
             self._work()
-        texture = gpu.types.GPUTexture(atlas_size(), format="RGBA16F", data=buffer(self._texels))
+        texels: Any = self._texels
+        texture = gpu.types.GPUTexture(atlas_size(), format="RGBA16F", data=buffer(texels))
         smooth_lookups(texture)
         return Lit(texture, self._light[1])
 
