@@ -3,7 +3,8 @@
 
 `BSDF` is right in every renderer, but EEVEE makes a shader of all that leads to an output, the lobes of Cycles too:
 many minutes, most of them in Blender's own handling of 13,000 nodes and of the shader's text. No factor leaves nodes
-out of that which Cycles would not see as well; only outputs say for whom they are.
+out of that which Cycles would not see as well; only outputs say for whom they are. The main one is then for Cycles:
+Blender unrolls all that leads to an output for any renderer, and takes it out again node by node.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ def connect(tree: bpy.types.NodeTree, node: Any, wanted: bool) -> None:
     if not wanted:
         if own is not None:
             tree.nodes.remove(own)
+        _give_back(tree)
         return
     others = [each for each in tree.nodes if _is_for_eevee(each) and each != own]
     straight = main is not None and any(link.from_node == node for link in main.inputs["Surface"].links)
@@ -50,16 +52,20 @@ def connect(tree: bpy.types.NodeTree, node: Any, wanted: bool) -> None:
         own.target = "EEVEE"
         own.location = (main.location.x, main.location.y - 180.0)
     tree.links.new(node.outputs[OUTPUT], own.inputs["Surface"])
+    if main.target == "ALL":
+        main.target = "CYCLES"
+        main[_OURS] = True
     follow(tree)
 
 
 def follow(tree: bpy.types.NodeTree) -> None:
     """Volume and displacement are those of the main output; an output that shows nothing any more goes."""
     own = _own(tree)
-    if own is None:
-        return
-    if not own.inputs["Surface"].links:
+    if own is not None and not own.inputs["Surface"].links:
         tree.nodes.remove(own)
+        own = None
+    if own is None:
+        _give_back(tree)
         return
     main = tree.get_output_node("CYCLES")
     for name in _SHARED if main is not None else ():
@@ -72,6 +78,18 @@ def follow(tree: bpy.types.NodeTree) -> None:
             tree.links.remove(link)
         for link in theirs:
             tree.links.new(link.from_socket, own.inputs[name])
+
+
+def _give_back(tree: bpy.types.NodeTree) -> None:
+    """The main output is for every renderer again, where none is for EEVEE."""
+    if any(_is_for_eevee(each) for each in tree.nodes):
+        return
+    for each in tree.nodes:
+        if each.bl_idname == "ShaderNodeOutputMaterial" and each.get(_OURS):
+            node: Any = each
+            if node.target == "CYCLES":
+                node.target = "ALL"
+            del node[_OURS]
 
 
 def _own(tree: bpy.types.NodeTree) -> Any:

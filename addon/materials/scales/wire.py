@@ -118,7 +118,7 @@ def wire(tree: Any) -> None:
     if scales is None:
         return
     if shown is None or shown.id_data != tree:
-        output = tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
+        output = tree.get_output_node("CYCLES") or tree.nodes.new("ShaderNodeOutputMaterial")
         if not scales.outputs["Base"].is_linked:
             tree.links.new(scales.outputs["Base"], output.inputs["Surface"])
             scales.location = (output.location.x - 240.0, output.location.y)

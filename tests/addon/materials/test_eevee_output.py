@@ -55,6 +55,21 @@ def test_the_output_goes_with_the_node(made):
     assert of_eevee(tree).target == "ALL"
 
 
+def test_blender_unrolls_for_eevee_what_eevee_needs(made):
+    """An output for any renderer would be unrolled too, 11,000 nodes that are taken out again one by one."""
+    tree = made.node_tree
+    assert [n.target for n in tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"] == ["CYCLES", "EEVEE"]
+
+
+def test_without_the_output_the_main_one_is_for_all_again(made):
+    tree = made.node_tree
+    tree.nodes.remove(of_eevee(tree))
+    made.update_tag()
+    bpy.context.view_layer.update()
+    assert of_eevee(tree) == tree.get_output_node("CYCLES")
+    assert of_eevee(tree).target == "ALL"
+
+
 def test_displacement_is_that_of_the_main_output(made):
     tree = made.node_tree
     relief = tree.nodes.new("ShaderNodeDisplacement")
@@ -88,6 +103,7 @@ def test_a_mixed_node_is_left_to_its_user(made, tmp_path):
     tree = made.node_tree
     node = tree.nodes["Diffraction"]
     tree.nodes.remove(of_eevee(tree))
+    bpy.context.view_layer.update()
     mix = tree.nodes.new("ShaderNodeMixShader")
     main = tree.get_output_node("CYCLES").inputs["Surface"]
     tree.links.new(node.outputs["BSDF"], mix.inputs[1])

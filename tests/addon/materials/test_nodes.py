@@ -103,7 +103,7 @@ def test_pigment_survives_the_change_of_implementation(blender, tmp_path):
         assert node.inputs["Base"].links[0].from_node.name == "Pigment"
         assert material.settings_of(made).implementation == implementation
         outputs = [n.target for n in made.node_tree.nodes if n.bl_idname == "ShaderNodeOutputMaterial"]
-        assert outputs == (["ALL", "EEVEE"] if implementation == "NODES" else ["ALL"])
+        assert outputs == (["CYCLES", "EEVEE"] if implementation == "NODES" else ["ALL"])
 
 
 def test_file_is_packed_and_needs_nothing_else(blender, tmp_path):

@@ -42,7 +42,7 @@ def node_of(ball):
 
 def wired(tree, principled, how):
     """Put something between a shader and the output, or in front of the shader."""
-    output = tree.get_output_node("ALL")
+    output = tree.get_output_node("CYCLES")
     if how == "reroute":
         between = tree.nodes.new("NodeReroute")
         tree.links.new(principled.outputs[0], between.inputs[0])
@@ -79,7 +79,7 @@ def in_a_group(tree, inputs):
     group.links.new(inner.outputs[0], out.inputs[0])
     node = tree.nodes.new("ShaderNodeGroup")
     node.node_tree = group
-    tree.links.new(node.outputs[0], tree.get_output_node("ALL").inputs[0])
+    tree.links.new(node.outputs[0], tree.get_output_node("CYCLES").inputs[0])
     return node, inner
 
 
@@ -106,7 +106,7 @@ def set_alpha(tree, principled, kind):
         tree.links.new(value.outputs[0], mix.inputs[0])
         tree.links.new(tree.nodes.new("ShaderNodeBsdfTransparent").outputs[0], mix.inputs[1])
         tree.links.new(principled.outputs[0], mix.inputs[2])
-        tree.links.new(mix.outputs[0], tree.get_output_node("ALL").inputs[0])
+        tree.links.new(mix.outputs[0], tree.get_output_node("CYCLES").inputs[0])
     elif kind == "group":
         node, _ = in_a_group(tree, {"Alpha": "NodeSocketFloat"})
         node.inputs["Alpha"].default_value = 0.3

@@ -259,7 +259,7 @@ def test_before_apply_the_pigment_shows(scales):
     tree = ob.active_material.node_tree
     made = tree.nodes["Snake Scales"]
     assert made.inputs["Scale Size"].default_value == pytest.approx(0.1)
-    assert tree.get_output_node("ALL").inputs["Surface"].links[0].from_node == made
+    assert tree.get_output_node("CYCLES").inputs["Surface"].links[0].from_node == made
     assert not scales.wire.is_wired(tree)
 
 
