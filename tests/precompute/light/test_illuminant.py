@@ -116,7 +116,11 @@ def light_like_d65():
 def test_red_light_without_any_z_has_a_finite_albedo(scan, quick):
     red, day = (bake(scan, BakeParameters(illuminant=light, **quick)) for light in (line_at(690.0), "D65"))
     assert white_xyz(line_at(690.0))[2] < 1e-4
-    assert red.albedo_max == pytest.approx(day.albedo_max, rel=0.5)  # the window is small: a wide lobe at grazing
+    theta = np.radians([0.0, 40.0, 60.0, 80.0])
+    views = np.stack([np.sin(theta), np.zeros(4), np.cos(theta)], -1)
+    assert red.albedo(views) == pytest.approx(day.albedo(views), rel=0.1)
+    # Towards the horizon the model has no bound: a longer wave, whose lobe is wider, comes to more.
+    assert day.albedo_max < red.albedo_max < 2.0 * day.albedo_max
 
 
 def test_key_follows_the_values_and_not_the_name(tmp_path, scan):
