@@ -109,10 +109,10 @@ def _quick_look() -> tuple:
 def _depsgraph_updated(scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
     if _at_work or not material.any_ours():
         return
-    if any(isinstance(update.id, (bpy.types.NodeTree, bpy.types.Material)) for update in depsgraph.updates):
-        for known in bpy.data.materials:
-            if known.is_editable and known.node_tree is not None:
-                eevee_output.follow(known.node_tree)
+    for update in depsgraph.updates:
+        changed = update.id.original
+        if isinstance(changed, bpy.types.Material) and changed.is_editable and changed.node_tree is not None:
+            eevee_output.follow(changed.node_tree)
     if not _needs_search(depsgraph):
         return
     update_lights(scene, depsgraph)

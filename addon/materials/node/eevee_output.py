@@ -13,8 +13,10 @@ from typing import Any
 
 import bpy
 
-#: The node's output for EEVEE, and the name of the output node that reads it.
-OUTPUT, NAME = "EEVEE", "EEVEE Output"
+from . import interface
+
+#: The name of the output node.
+NAME = "EEVEE Output"
 
 #: Marks the output node as ours.
 _OURS = "diffraction"
@@ -43,7 +45,7 @@ def connect(tree: bpy.types.NodeTree, node: Any, wanted: bool) -> None:
         return
     others = [each for each in tree.nodes if _is_for_eevee(each) and each != own]
     straight = main is not None and any(link.from_node == node for link in main.inputs["Surface"].links)
-    if others or not straight or node.id_data != tree or OUTPUT not in node.outputs:
+    if others or not straight or node.id_data != tree or interface.EEVEE not in node.outputs:
         return
     if own is None:
         own = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -51,7 +53,7 @@ def connect(tree: bpy.types.NodeTree, node: Any, wanted: bool) -> None:
         own[_OURS] = True
         own.target = "EEVEE"
         own.location = (main.location.x, main.location.y - 180.0)
-    tree.links.new(node.outputs[OUTPUT], own.inputs["Surface"])
+    tree.links.new(node.outputs[interface.EEVEE], own.inputs["Surface"])
     if main.target == "ALL":
         main.target = "CYCLES"
         main[_OURS] = True
