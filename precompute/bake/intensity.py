@@ -26,7 +26,7 @@ import numpy as np
 
 from ..constants import FREQUENCY_MAX, KAPPA_MAX
 from ..scan.heightfield import HeightField
-from .scipy_kernels import sparse_product
+from ..scipy_kernels import sparse_product
 from .series import Series
 from .spectral_sum import RADIAL_STEP
 from .transforms import Axis, Transforms, interleave, lobe_width, workers

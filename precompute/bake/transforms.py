@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..constants import FREQUENCY_MAX
-from .scipy_kernels import fast_length, real_inverse, real_transform, transform
+from ..scipy_kernels import fast_length, real_inverse, real_transform, transform
 
 #: Lags beyond this many sigma_s are cut: exp(-6.5^2 / 4) = 2.6e-5.
 LAG_CUT = 6.5

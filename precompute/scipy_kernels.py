@@ -49,23 +49,28 @@ def real_inverse(a: np.ndarray, axis: int, out: np.ndarray) -> np.ndarray:
     return _fourier().c2r(a, (axis,), out.shape[axis], False, 0, out, 1)
 
 
-def sparse_product(indices: np.ndarray, weights: np.ndarray, dense: np.ndarray) -> np.ndarray:
-    """``sum_j weights[i, j] dense[indices[i, j]]``, every row with as many terms.
+def sparse_product(
+    indices: np.ndarray, weights: np.ndarray, dense: np.ndarray, pointers: np.ndarray | None = None
+) -> np.ndarray:
+    """``sum_j weights[i, j] dense[indices[i, j]]``, every row with as many terms, or as `pointers` say.
 
     Parameters
     ----------
     indices, weights
-        ``(n, m)`` int32 and float32, contiguous.
+        ``(n, m)`` int32 and float32, contiguous; flat with pointers.
     dense
         ``(rows, k)`` float32, contiguous.
+    pointers
+        ``(n + 1,)`` int32: the first term of each row, and the end.
 
     Returns
     -------
     ndarray
         ``(n, k)`` float32.
     """
-    rows, terms = indices.shape
-    pointers = np.arange(0, indices.size + 1, terms, dtype=np.int32)
+    if pointers is None:
+        pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
+    rows = len(pointers) - 1
     tools = extension(SPARSE)
     if tools is None:
         from scipy.sparse import csr_array

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from precompute.bake import scipy_kernels as k
+from precompute import scipy_kernels as k
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(params=["extension", "public"])
