@@ -71,17 +71,18 @@ class PolarIntensity:
         frequency_max: float = FREQUENCY_MAX,
     ) -> None:
         rows, cols = field.shape
-        self.x = Axis.plan(cols, field.dx, sigma_s_m, frequency_max)
-        self.y = Axis.plan(rows, field.dy, sigma_s_m, frequency_max)
+        smoothed = ensemble == "average"
         self.window_axes = (
             window_axis(rows, field.dy, sigma_s_m, ensemble),
             window_axis(cols, field.dx, sigma_s_m, ensemble),
         )
+        self.y = Axis.plan(rows, field.dy, sigma_s_m, frequency_max, self.window_axes[0], smoothed)
+        self.x = Axis.plan(cols, field.dx, sigma_s_m, frequency_max, self.window_axes[1], smoothed)
         area = float(np.prod([axis @ axis for axis in self.window_axes])) * field.dx * field.dy
         # One transform a kappa multiplies the rows by the window as it goes; a series needs it whole.
         window = np.ones((1, 1)) if series == "nodes" else np.outer(*self.window_axes)
         self.series = Series(field.heights, window, kappa_max, series, tolerance, self._spectrum)
-        self.lag_axes = self._make_lag_axes(sigma_s_m if ensemble == "average" else None)
+        self.lag_axes = self._make_lag_axes(sigma_s_m if smoothed else None)
         self._transforms = Transforms(self.x, self.y, self.lag_axes)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
         # by the lag area of 1 / (padded steps), the last transform integrates over lags.
