@@ -144,7 +144,7 @@ def build(
 
 
 def _mask(tree: bpy.types.NodeTree) -> None:
-    """The pigment alone where the mask is 0, as `nodes_twin.build` has it; one of 1 that is not linked costs nothing."""
+    """The pigment alone where the mask is 0, as in `nodes_twin.build`; one of 1 that is not linked costs nothing."""
     graph = Graph(tree)
     out: Any = next(node for node in tree.nodes if node.bl_idname == "NodeGroupOutput")
     given = graph.add("NodeGroupInput", label="Mask")
