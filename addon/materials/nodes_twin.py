@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 15
+VERSION = 16
 
 
 def build(
@@ -92,7 +92,8 @@ def build(
         shows = graph.product(shows, intact)
     out = graph.add("NodeGroupOutput").inputs
     for name, shader in ((interface.OUTPUT, shaded), (interface.EEVEE, eevee)):
-        graph.put(out[name], surface.mixed(shows, given["Base"], shader))
+        structured = surface.mixed(shows, given["Base"], shader)
+        graph.put(out[name], surface.mixed(given["Mask"], given["Base"], structured))
 
 
 def _on_a_surface(graph: Graph) -> Socket:
