@@ -50,7 +50,11 @@ def real_inverse(a: np.ndarray, axis: int, out: np.ndarray) -> np.ndarray:
 
 
 def sparse_product(
-    indices: np.ndarray, weights: np.ndarray, dense: np.ndarray, pointers: np.ndarray | None = None
+    indices: np.ndarray,
+    weights: np.ndarray,
+    dense: np.ndarray,
+    pointers: np.ndarray | None = None,
+    out: np.ndarray | None = None,
 ) -> np.ndarray:
     """``sum_j weights[i, j] dense[indices[i, j]]``, every row with as many terms, or as `pointers` say.
 
@@ -62,6 +66,8 @@ def sparse_product(
         ``(rows, k)`` float32, contiguous.
     pointers
         ``(n + 1,)`` int32: the first term of each row, and the end.
+    out
+        ``(n, k)`` float32, contiguous, overwritten; a new array for None.
 
     Returns
     -------
@@ -75,8 +81,15 @@ def sparse_product(
     if tools is None:
         from scipy.sparse import csr_array
 
-        return csr_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, len(dense))) @ dense
-    out = np.zeros((rows, dense.shape[1]), np.float32)
+        product = csr_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, len(dense))) @ dense
+        if out is None:
+            return product
+        out[...] = product
+        return out
+    if out is None:
+        out = np.zeros((rows, dense.shape[1]), np.float32)
+    else:
+        out[...] = 0.0
     flat = (weights.reshape(-1), dense.reshape(-1), out.reshape(-1))
     tools.csr_matvecs(rows, len(dense), dense.shape[1], pointers, indices.reshape(-1), *flat)
     return out

@@ -155,7 +155,13 @@ class PolarIntensity:
 
         self._transforms.of_band(self._transforms.band(rows, np.complex64, pool), out, pool)
 
-    def polar(self, coefficients: np.ndarray, angles: np.ndarray, frequencies: np.ndarray | None = None) -> np.ndarray:
+    def polar(
+        self,
+        coefficients: np.ndarray,
+        angles: np.ndarray,
+        frequencies: np.ndarray | None = None,
+        opposite: bool = False,
+    ) -> np.ndarray:
         """S on the polar grid.
 
         Parameters
@@ -166,24 +172,28 @@ class PolarIntensity:
             ``(m,)`` radians.
         frequencies
             ``(n_f,)`` radial, 1/m; all for None.
+        opposite
+            Whether the same angles half a circle on follow them, which have the same weights.
 
         Returns
         -------
         ndarray
-            ``(m, n_f, n)`` float32, m^2.
+            ``(m, n_f, n)`` float32, m^2; ``(2 m, n_f, n)`` with the opposite ones.
         """
         frequencies = self.frequencies if frequencies is None else frequencies
         row, wy = _cubic_b_spline(np.outer(np.sin(angles), frequencies / self.y.frequency_step).ravel())
         col, wx = _cubic_b_spline(np.outer(np.cos(angles), frequencies / self.x.frequency_step).ravel())
-        row = (row + self.y.fine // 2) % self.y.fine * np.int32(self.x.fine)
-        col = (col + self.x.fine // 2) % self.x.fine
         wy *= np.float32(self._factor)
         # Neighbours along a ray share most of their cells: angle by angle.
         weights = (wy[:, :, None] * wx[:, None, :]).reshape(-1, 16)
-        indices = (row[:, :, None] + col[:, None, :]).reshape(-1, 16)
-        values = sparse_product(indices, weights, coefficients)
+        values = np.empty((1 + opposite, len(weights), coefficients.shape[1]), np.float32)
+        for turned, target in enumerate(values):
+            y = (self.y.fine // 2 + (-row if turned else row)) % self.y.fine * np.int32(self.x.fine)
+            x = (self.x.fine // 2 + (-col if turned else col)) % self.x.fine
+            indices = (y[:, :, None] + x[:, None, :]).reshape(-1, 16)
+            sparse_product(indices, weights, coefficients, out=target)
         np.maximum(values, 0.0, out=values)
-        return values.reshape(len(angles), len(frequencies), -1)
+        return values.reshape(-1, len(frequencies), coefficients.shape[1])
 
 
 def _cubic_b_spline(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -73,6 +73,16 @@ def test_polar_points_lie_along_rays():
     assert found[..., 0] / found[:, :1, 0] == pytest.approx(np.tile(expected, (3, 1)), abs=0.02)
 
 
+def test_opposite_angles_follow():
+    """With the same weights: all the way out, where the grid ends, too."""
+    field = HeightField(np.random.default_rng(4).normal(0.0, 50e-9, (120, 90)), 60e-9, 70e-9)
+    polar = PolarIntensity(field, 0.6e-6, "average")
+    coefficients, angles = polar.coefficients(np.array([0.3, 0.8]) * KAPPA_MAX), np.array([0.0, 0.3, 1.5, 2.9])
+    found = polar.polar(coefficients, angles, opposite=True)
+    expected = polar.polar(coefficients, np.concatenate([angles, angles + np.pi]))
+    assert found == pytest.approx(expected, rel=1e-4, abs=1e-6 * float(expected.max()))
+
+
 def test_lags_that_wrap_around_hardly_count(monkeypatch):
     """Transforms that are shorter than the patch and its lags give the same intensities, the taper's rim being dim."""
     heights = np.random.default_rng(9).normal(0.0, 60e-9, (300, 340))
