@@ -82,6 +82,28 @@ def sparse_product(
     return out
 
 
+def scattered(indices: np.ndarray, weights: np.ndarray, columns: int) -> np.ndarray:
+    """``(n, columns)`` zeros with ``weights[i, j]`` added at ``[i, indices[i, j]]``.
+
+    Parameters
+    ----------
+    indices, weights
+        ``(n, m)`` int32 and float32, contiguous.
+    columns
+        How many.
+    """
+    rows, terms = indices.shape
+    pointers = np.arange(0, indices.size + 1, terms, dtype=np.int32)
+    tools = extension(SPARSE)
+    if tools is None:
+        from scipy.sparse import csr_array
+
+        return csr_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, columns)).toarray()
+    out = np.zeros((rows, columns), np.float32)
+    tools.csr_todense(rows, columns, pointers, indices.reshape(-1), weights.reshape(-1), out)
+    return out
+
+
 @lru_cache(maxsize=1)
 def _fourier() -> Any:
     return extension(FOURIER) or _Public()
