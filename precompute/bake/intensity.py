@@ -145,6 +145,7 @@ class PolarIntensity:
                     if progress is not None:
                         progress((index + 1) / count)
                 interleave(planes[: len(group)], out[..., group.start : group.stop], pool)
+        self._transforms.free()
         return out.reshape(-1, count)
 
     def _of_node(self, kappa: float, out: np.ndarray, pool: ThreadPoolExecutor) -> None:
