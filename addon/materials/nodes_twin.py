@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 16
+VERSION = 17
 
 
 def build(
@@ -116,6 +116,8 @@ def _lamps(
     shown: Any = None
     outside: Value = 1.0
     outside_in_eevee = enabled
+    f_cos = graph.product(lamps.grey_of(graph, drawn["RGB"]), drawn["Finished"])
+    f_cos = graph.quotient(f_cos, drawn["Solid"])
     listed = [lamp_nodes.lamp(graph, slot).outputs for slot in range(1, slots.SLOTS + 1)]
     lobes, taken = _aimed(surface, listed, random, drawn["To"])
     chance = graph.product(graph.split(random)[2], lamps.WEIGHT_MIN)
@@ -126,7 +128,7 @@ def _lamps(
         outside = graph.product(outside, one["Outside"])
         if slot <= lamps.EEVEE_LAMPS_MAX:
             sockets: dict[str, Any] = {name: lamp[name] for name in lamp_nodes.OUTPUTS}
-            by_eevee = surface.group(for_eevee, **sockets, To=drawn["To"]).outputs
+            by_eevee = surface.group(for_eevee, **sockets, To=drawn["To"], Drawn=f_cos).outputs
             shown = by_eevee["Colour"] if shown is None else graph.vector("ADD", shown, by_eevee["Colour"])
             outside_in_eevee = graph.product(outside_in_eevee, by_eevee["Outside"])
     plain = _mirror(surface, drawn, graph.product(drawn["Weight"], outside))

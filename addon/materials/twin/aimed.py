@@ -8,6 +8,7 @@ about a random place of a lamp beside others, or of one that shines unevenly (sp
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
@@ -94,7 +95,7 @@ def aimed() -> bpy.types.NodeTree:
     drawn = graph.scalar("DOT_PRODUCT", given["Drawn"], lamp.axis)
     within_whole = graph.product(has_whole, graph.math("GREATER_THAN", drawn, whole_cosine))
     within_narrow = graph.math("GREATER_THAN", drawn, graph.math("COSINE", radius))
-    within_area = _holds(graph, given["Drawn"], lamp, low, high)
+    within_area = holds(graph, given["Drawn"], lamp, low, high)
     within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
     outputs: dict[str, Value] = {
         "To": to, "Aim": aim, "Width": graph.choose(is_narrow, cone, width),
@@ -220,7 +221,9 @@ def _far(
     return graph.vector("NORMALIZE", to), gain, omega, low, high
 
 
-def _holds(graph: Graph, direction: Socket, lamp: Seen, low: list[Socket], high: list[Socket]) -> Socket:
+def holds(
+    graph: Graph, direction: Socket, lamp: Seen, low: Sequence[Value], high: Sequence[Value]
+) -> Socket:  # fmt: skip
     """1 where a direction meets the part of an area lamp that shines here."""
     normal = graph.vector("CROSS_PRODUCT", lamp.u, lamp.v)
     along = graph.scalar("DOT_PRODUCT", direction, normal)

@@ -27,13 +27,13 @@ def random_numbers(graph: Graph) -> Socket:
 
 
 def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
-    """Group (random numbers) -> direction, half vector of any length, colour and its factor.
+    """Group (random numbers) -> direction, half vector of any length, colour and its factor, solid angle drawn.
 
     Directions are drawn in proportion to the luminance of f cos, see `precompute.table.importance`; colour times factor
     is f cos over the density. ``Finished`` is the factor with the albedos, ``Special`` is 1 where they count.
     """
     outputs = {"To": _VECTOR, "Half": _VECTOR, "RGB": _VECTOR, "Weight": _FLOAT}
-    outputs |= {"Finished": _FLOAT, "Special": _FLOAT}
+    outputs |= {"Finished": _FLOAT, "Special": _FLOAT, "Solid": _FLOAT}
     surface, given, output = Surface.inside("Environment", parts, {"Random": _VECTOR}, outputs)
     for name, socket in zip(outputs, _draw(surface, image, given["Random"]), strict=True):
         surface.graph.put(output.inputs[name], socket)
@@ -169,8 +169,9 @@ def _drawn(
     h = graph.vector("MULTIPLY_ADD", surface["T"], x, graph.scaled(surface["N"], w))
     h = graph.vector("MULTIPLY_ADD", surface["B"], y, h)
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
+    solid = weight
     w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
-    return to, h, surface.value(square, turn, w, h), weight, *surface.with_albedo(weight, x, y, cos_i)
+    return to, h, surface.value(square, turn, w, h), weight, *surface.with_albedo(weight, x, y, cos_i), solid
 
 
 def _flat(graph: Graph, cos_r: Socket, xi_1: Socket, xi_2: Socket, wr: list[Socket]) -> tuple[Socket, Socket, Socket]:

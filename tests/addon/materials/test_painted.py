@@ -93,24 +93,47 @@ def painted_plane(path, implementation, maps):
     return made
 
 
-@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
-def test_painted_pixels_are_each_their_own_surface(blender, foil, implementation):
-    table, path = foil
-    maps = np.random.default_rng(4).uniform(0.3, 1.1, (12, 12, 2))
+def painted_and_truth(table, path, implementation, count, render):
+    """A picture of a plane of which each pixel has a Scale and a Depth of its own, what numpy says, what counts."""
+    maps = np.random.default_rng(4).uniform(0.3, 1.1, (count, count, 2))
     view = (0.0, 0.0, 1.0)
     scenes.add_sun(SUN)
     scenes.add_camera(view, extent=2.0)
     painted_plane(path, implementation, maps)
-    image = scenes.render(12)[::-1, ::-1]  # a camera straight above looks with the picture's top down
+    image = render(count)[::-1, ::-1]  # a camera straight above looks with the picture's top down
     wi = np.array(SUN) / np.linalg.norm(SUN)
     truth = np.zeros_like(image)
-    for place in np.ndindex(12, 12):
+    for place in np.ndindex(count, count):
         one = ScaledTable(table, *maps[place])
         f_cos = radiance.f_cos_xyz(one, wi, np.array(view))
         truth[place] = radiance.gamut_step(f_cos[None], xyz_to_rgb_matrix())[0]
-    good = (truth.mean(-1) > 1e-3) & ~np.eye(12, dtype=bool)  # rays meet the seam of the square's triangles there
+    good = (truth.mean(-1) > 1e-3) & ~np.eye(count, dtype=bool)  # rays meet the seam of the square's triangles there
+    return image, truth, good
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_painted_pixels_are_each_their_own_surface(blender, foil, implementation):
+    image, truth, good = painted_and_truth(*foil, implementation, 12, scenes.render)
     assert good.sum() > 30
     assert_images_agree(image, truth, 0.01, where=good, name=f"painted_{implementation}")
+
+
+@pytest.mark.slow
+def test_eevee_paints_each_pixel_as_its_own_surface(blender, foil):
+    """Scale from 0.3 to 1.1 and Depth likewise, the rim of the table among them."""
+    from diffraction_shader.addon.versions import EEVEE
+
+    def render(count):
+        scene = bpy.context.scene
+        scene.render.engine = EEVEE
+        scene.eevee.taa_render_samples = 1
+        return scenes.render(count, centred=True)
+
+    image, truth, good = painted_and_truth(*foil, "NODES", 24, render)
+    assert good.sum() > 120
+    errors = np.abs(image - truth).sum(-1)[good] / truth.sum(-1)[good]
+    print("EEVEE against numpy, percentiles 50, 90, 98:", np.percentile(errors, (50, 90, 98)))
+    assert_images_agree(image, truth, 0.02, 97.0, where=good, name="painted_EEVEE")
 
 
 def furnace(path, implementation, wr, scale, depth, samples, **settings):
