@@ -95,6 +95,31 @@ def sparse_product(
     return out
 
 
+def spread_product(indices: np.ndarray, weights: np.ndarray, dense: np.ndarray, rows: int) -> np.ndarray:
+    """``(rows, k)``: ``weights[i, j] dense[i]`` added up at the rows ``indices[i, j]``.
+
+    Parameters
+    ----------
+    indices, weights
+        ``(n, m)`` int32 and float32, contiguous.
+    dense
+        ``(n, k)`` float32, contiguous.
+    rows
+        How many.
+    """
+    count, terms = indices.shape
+    pointers = np.arange(0, indices.size + 1, terms, dtype=np.int32)
+    tools = extension(SPARSE)
+    if tools is None:
+        from scipy.sparse import csc_array
+
+        return csc_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, count)) @ dense
+    out = np.zeros((rows, dense.shape[1]), np.float32)
+    flat = (weights.reshape(-1), dense.reshape(-1), out.reshape(-1))
+    tools.csc_matvecs(rows, count, dense.shape[1], pointers, indices.reshape(-1), *flat)
+    return out
+
+
 def scattered(indices: np.ndarray, weights: np.ndarray, columns: int) -> np.ndarray:
     """``(n, columns)`` zeros with ``weights[i, j]`` added at ``[i, indices[i, j]]``.
 

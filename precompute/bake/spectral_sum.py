@@ -23,6 +23,7 @@ from copy import copy
 
 import numpy as np
 
+from ..scipy_kernels import spread_product
 from ..stack import Material, Stack
 from .series import node_weights
 from .transforms import LAG_CUT, lobe_width, workers
@@ -32,9 +33,6 @@ RADIAL_STEP = 0.4
 
 #: Largest error that a step twice as wide may leave in any lag of the intensities, relative to the whole light.
 _COARSE_ERROR = 5e-4
-
-#: Wavelengths that go through one product: a radius' interpolation is a narrow band, which products of all would fill.
-_WAVELENGTHS_A_PRODUCT = 50
 
 
 class Reflectance:
@@ -177,20 +175,11 @@ class SpectralSum:
         ``first`` falls with the wavelength; ``seen`` is ``(n_w, L)``.
         """
         low, high = int(first[-1]), int(first[0]) + taps.shape[1]
-        count = len(first)
-        total = np.zeros((high - low, factors.shape[1]), np.float32)
-        for start in range(0, count, _WAVELENGTHS_A_PRODUCT):
-            stop = min(start + _WAVELENGTHS_A_PRODUCT, count)
-            here, there = int(first[stop - 1]), int(first[start]) + taps.shape[1]
-            radial = np.zeros((there - here, stop - start), np.float32)
-            places = first[start:stop, None] - here + np.arange(taps.shape[1])
-            radial[places, np.arange(stop - start)[:, None]] = taps[start:stop]
-            part = factors[start:stop]
-            if seen is not None:
-                by_slice = part.reshape(stop - start, self.n_nodes, self.n_w, 3)
-                part = (by_slice * seen.T[start:stop, None, :, None]).reshape(part.shape)
-            total[here - low : there - low] += radial @ part
-        return low, total
+        places = (first[:, None] - low + np.arange(taps.shape[1])).astype(np.int32)
+        if seen is not None:
+            by_slice = factors.reshape(len(first), self.n_nodes, self.n_w, 3)
+            factors = (by_slice * seen.T[:, None, :, None]).reshape(factors.shape)
+        return low, spread_product(places, taps, factors, high - low)
 
     def apply(self, intensities: Sequence[np.ndarray], out: Sequence[np.ndarray] | None = None) -> np.ndarray | None:
         """Integrate a block of angles.

@@ -85,6 +85,15 @@ def test_rows_of_any_number_of_terms(kernels):
     assert kernels.sparse_product(indices, weights, dense, pointers) == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
 
+def test_spread_product(kernels):
+    random = np.random.default_rng(10)
+    indices = random.integers(0, 9, (30, 4)).astype(np.int32)
+    weights, dense = (random.normal(size=(30, k)).astype(np.float32) for k in (4, 6))
+    expected = np.zeros((9, 6))
+    np.add.at(expected, indices, weights[:, :, None] * dense[:, None, :])
+    assert kernels.spread_product(indices, weights, dense, 9) == pytest.approx(expected, rel=1e-5, abs=1e-5)
+
+
 def test_scattered(kernels):
     """Weights for one place are added up."""
     random = np.random.default_rng(9)
