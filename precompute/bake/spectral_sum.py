@@ -34,6 +34,9 @@ RADIAL_STEP = 0.4
 #: Largest error that a step twice as wide may leave in any lag of the intensities, relative to the whole light.
 _COARSE_ERROR = 5e-4
 
+#: Radii whose matrices a thread makes at a time.
+_RADII_A_TIME = 8
+
 
 class Reflectance:
     """R(lambda, theta_half) of a stack as the table's coordinates see it.
@@ -161,9 +164,10 @@ class SpectralSum:
 
         #: Grid, first value of a line of it, and matrix ``(n_w * 3, (f, n))`` of each radius, in column order.
         self.matrices: list[tuple[int, int, np.ndarray]] = []
+        parts = [range(len(radii))[start : start + _RADII_A_TIME] for start in range(0, len(radii), _RADII_A_TIME)]
         with ThreadPoolExecutor(workers()) as pool:
-            for made in pool.map(matrix, range(len(radii))):
-                self.matrices.append(made)
+            for made in pool.map(lambda part: [matrix(index) for index in part], parts):
+                self.matrices += made
                 if progress is not None:
                     progress(len(self.matrices) / len(radii))
 
