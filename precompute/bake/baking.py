@@ -312,7 +312,8 @@ def _bake(
     stages.done("transforms")
 
     stuff = None if stack is None else Reflectance(stack, wavelengths, parameters.lacquer, index)
-    with threadpool_limits(1, user_api="blas"):
+    with ThreadPoolExecutor(1) as beside, threadpool_limits(1, user_api="blas"):
+        key = beside.submit(table_key, scan, parameters)  # the choice of nodes leaves a processor free
         layout, reached = refine(
             polar,
             coefficients,
@@ -398,7 +399,7 @@ def _bake(
         "share_lost": lost_share(albedo),
     }
     info = {
-        "key": table_key(scan, parameters),
+        "key": key.result(),
         "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
         "source": {
             **origin(scan),
