@@ -467,7 +467,7 @@ def _integrate(
         seen = [polar.polar(coefficients, layout.angles[block], each, opposite=True) for each in total.grids]
         both = [block, slice(block.start + half, block.stop + half)]
         if flat is not None:
-            total.apply(seen, [flat[..., each] for each in both])
+            total.apply_into(seen, [flat[..., each] for each in both])
         found = []
         for each, first in zip(both, (0, len(seen[0]) // 2), strict=True):
             low, share = sector_shares(layout, each.start, each.stop)
