@@ -208,6 +208,8 @@ class Renderer:
         view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
         moved: tuple[float, float], gathers: Hashable | None,
     ) -> int:  # fmt: skip
+        import gpu
+
         self.message = ""
         if not listing.items:
             return 0
@@ -224,6 +226,7 @@ class Renderer:
         frame = blocks.Frame(
             view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
             clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None, moved=moved,
+            width=gpu.state.viewport_get()[2],
         )  # fmt: skip
         # What shines through adds up, of which a mean of what lies in front knows nothing.
         mean = None
