@@ -27,7 +27,7 @@ EEVEE_ALPHA, EEVEE_ALPHA_MAX = 0.04, 0.25
 #: What EEVEE's tables make of the lobe's peak, measured: 0.995 to 0.997 at all angles for the smallest alpha.
 EEVEE_PEAK = 0.9957
 
-#: How fast EEVEE's lobe falls about its peak over how fast GGX does, measured: 0.7 to 0.85, by alpha and the lamp's size.
+#: How fast EEVEE's lobe falls about its peak over how fast GGX does, measured: 0.7 to 0.85, by alpha and lamp.
 EEVEE_TOP = 0.8
 
 
