@@ -31,6 +31,10 @@ EEVEE_PEAK = 0.9957
 EEVEE_TOP = 0.8
 
 
+#: EEVEE's threshold where a scene has no world, and how many times it the world may be.
+SUN_THRESHOLD, WORLD_MARGIN = 10.0, 4.0
+
+
 def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe.
 
@@ -133,3 +137,16 @@ def mirror(graph: Graph, half: Socket, roughness: Value) -> Socket:
     shown = graph.add("ShaderNodeShaderToRGB")
     graph.put(shown.inputs[0], glossy.outputs[0])
     return shown.outputs[0]
+
+
+def most_of_world(graph: Graph) -> Socket:
+    """A vector of the radiance that EEVEE's world has at most, some times over for what the strength of a view adds.
+
+    What is brighter EEVEE turns into a sun (*Sun > Threshold* of the world), which a mirror without roughness meets
+    once in 50,000 times: a white dot. Where the threshold is 0 there is no bound.
+    """
+    read = graph.add("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name="sun_threshold").outputs
+    without_world = graph.fused(read["Alpha"], -WORLD_MARGIN * SUN_THRESHOLD, WORLD_MARGIN * SUN_THRESHOLD)
+    most = graph.fused(read["Fac"], WORLD_MARGIN, without_world)
+    most = graph.sum(most, graph.product(graph.math("LESS_THAN", most, 1e-3), 1e6))
+    return graph.join(most, most, most)
