@@ -115,16 +115,19 @@ def open_window(context: bpy.types.Context, name: str) -> None:
     area = window.screen.areas[0]
     area.type = "IMAGE_EDITOR"
     area.spaces.active.image = image
-    bpy.app.timers.register(lambda: _fill(window, image), first_interval=0.2)  # once it has been drawn and has a size
+    fit_soon(window, area, image)
 
 
-def _fill(window: bpy.types.Window, image: bpy.types.Image) -> None:
-    """The picture as large as the window."""
+def fit_soon(window: bpy.types.Window, area: bpy.types.Area, image: bpy.types.Image) -> None:
+    """Let an image editor show its picture as large as it is itself, once it has been drawn and has a size."""
+    bpy.app.timers.register(lambda: _fit(window, area, image), first_interval=0.2)
+
+
+def _fit(window: bpy.types.Window, area: bpy.types.Area, image: bpy.types.Image) -> None:
     try:
-        area = window.screen.areas[0]
-        region = next(each for each in area.regions if each.type == "WINDOW")
         if area.type == "IMAGE_EDITOR" and area.spaces.active.image == image:
+            region = next(each for each in area.regions if each.type == "WINDOW")
             with bpy.context.temp_override(window=window, area=area, region=region):
                 bpy.ops.image.view_all(fit_view=True)
-    except (ReferenceError, IndexError):  # closed again
+    except ReferenceError:  # closed again
         return

@@ -36,7 +36,7 @@ TERMS_FORMAT_VERSION = 1
 
 #: Version of the computation: raise it whenever the same scan and parameters give other texels, so that
 #: no cache hands out what an older release computed.
-BAKE_VERSION = 4
+BAKE_VERSION = 5
 
 #: Largest bake without an explicit limit (bytes of texels as a renderer loads them).
 TABLE_LIMIT_BYTES = 1024 * 1024 * 1024

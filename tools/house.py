@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parents[1]
 #: without its ending; what is named nowhere is a fault.
 FLOORS = {
     "precompute": (
-        ("constants", "errors", "faces", "old_names"),
+        ("constants", "errors", "faces", "old_names", "scipy_kernels"),
         ("light", "files", "stack"),
         ("parameters",),
         ("scan",),

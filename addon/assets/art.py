@@ -114,4 +114,22 @@ def mark(period_m: float) -> Art:
     return Paint(ones, ones, rotation, mask, {"recipe": "laser mark"}), None
 
 
-ART = {"glitter": glitter, "card": card, "sticker": sticker, "mark": mark}
+def brush(period_m: float) -> Art:
+    """Hairlines along y, each a pass of one grain: its own spacing of grooves, depth, and a turn of a degree or so.
+
+    The picture repeats itself without a seam.
+    """
+    random = np.random.default_rng(3)
+    count, most = 170, 5
+    widths = random.uniform(0.4, 1.6, count)
+    hair = np.searchsorted(np.cumsum(widths) / widths.sum(), (np.arange(SIDE) + 0.5) / SIDE)
+    parts, start = random.integers(2, most + 1, count), random.uniform(0.0, 1.0, count)
+    along = np.mod((np.arange(SIDE)[:, None] + 0.5) / SIDE + start[hair], 1.0)
+    part = np.floor(along * parts[hair]).astype(int)
+    scale, depth = random.uniform(0.5, 1.0, (count, most)), random.uniform(0.35, 1.0, (count, most))
+    turn = random.normal(0.0, np.radians(1.2), (count, most))
+    maps = [each[hair, part] for each in (scale, depth, turn)]
+    return Paint(*maps, np.ones_like(maps[0]), {"recipe": "hairlines"}), None
+
+
+ART = {"brush": brush, "glitter": glitter, "card": card, "sticker": sticker, "mark": mark}

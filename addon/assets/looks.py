@@ -13,6 +13,8 @@ keeps to:
   the print on the other side. A DVD's colours are wider and fewer, a Blu-ray's faint and blue.
 * Copper and gold: red and yellow orders, weak blue ones. Titanium: one colour of its oxide film, ripple colours over
   it.
+* Brushed steel: a streak across the scratches; in the light of a small lamp single scratches glint in colours of their
+  own (Werner, Velinov, Jakob and Hullin, Scratch Iridescence, ACM TOG 36 (2017) 207), since each has its own width.
 * Foils, card, sticker: facets and dots of one colour each; varnish mirrors lamps white above them.
 
 Spider silk is not among them: light goes round and through a fibre of a few wavelengths, which is no surface with
@@ -54,6 +56,8 @@ class Asset:
         ``DISC`` for a disc's data ring, mirror band and label.
     shape
         What it is pictured on: ``BALL``, ``BODY``, ``DISC``, ``CARD`` or ``PLATE``.
+    dim
+        How much less light its picture has than others of its kind: what scatters all round is brighter about lamps.
     """
 
     name: str
@@ -67,6 +71,7 @@ class Asset:
     art: str = ""
     print_of: str = ""
     shape: str = "BALL"
+    dim: float = 1.0
 
     @property
     def is_plain(self) -> bool:
@@ -83,14 +88,14 @@ class Asset:
         """How much more it sends back than dark skin, roughly: what its picture is exposed for."""
         if self.species:
             return 5.0 if self.species == "CORN" else 1.4
-        return 16.0 if self.mirrors else 1.0
+        return self.dim * (16.0 if self.mirrors else 1.0)
 
     @property
     def sky(self) -> float:
         """How bright the room is, which a mirror shows in place of its colours."""
         if self.shape == "BALL" and self.mirrors:
             # Layers over melanin send one colour back, metal all of them.
-            return 0.5 if "melanin" not in look_of(self.preset).substrate else 1.5
+            return (0.5 if "melanin" not in look_of(self.preset).substrate else 1.5) / self.dim
         if self.species == "SUNBEAM":
             return 0.2
         return {"DISC": 0.12, "CARD": 0.35, "PLATE": 0.35}.get(self.shape, 1.0)
@@ -119,13 +124,14 @@ ASSETS = (
           art="glitter", shape="PLATE"),
     Asset("Gold Foil", "Foils", "Crossed gratings in gold", "gold_foil"),
     Asset("Lacquered Foil", "Foils", "Crossed gratings under a clear varnish", "lacquered_foil", pigment=GREY),
-    Asset("Random Bumps", "Foils", "A field of random bumps after Stam", "stam_bumps"),
+    Asset("Random Bumps", "Foils", "Equal bumps strewn at random after Stam: a halo of pale rings", "stam_bumps",
+          {"length_um": 3.0, "width_um": 3.0, "density_per_um2": 0.06}, dim=3.0),
     Asset("Trading Card", "Prints", "A printed picture whose sky is holographic foil under varnish", "lacquered_foil",
           art="card", shape="CARD"),
     Asset("Security Sticker", "Prints", "A guilloche and a seal, each line with its own direction", "lacquered_foil",
           {"period_um": 1.2}, SILVER, art="sticker", shape="PLATE"),
-    Asset("Brushed Steel", "Metals", "Random grooves along y: a streak with faint colours", "brushed_metal",
-          pigment=GREY, surface=_STEEL),
+    Asset("Brushed Steel", "Metals", "Hairlines along y: a streak whose lines glint in all colours", "brushed_metal",
+          {"scratch_width_um": 2.0, "rms_nm": 70.0, "edges_rms_nm": 50.0}, GREY, _STEEL, art="brush"),
     Asset("Oil on a Brushed Plate", "Metals", "A film of oil on brushed steel", "oily_plate", pigment=GREY),
     Asset("Anodised Titanium", "Metals", "Ripple of laser pulses under an oxide film", "titanium_ripple"),
     Asset("Laser-Marked Plate", "Metals", "Ripple of laser pulses on steel, its direction the polarisation's",

@@ -26,6 +26,9 @@ SIDE = 128
 #: Suns of the ball: direction, and irradiance on skin. Metal reflects twenty times as much.
 _SUNS = {"Sun": ((-0.35, -0.55, 0.75), 22.0), "Window": ((0.75, -0.3, 0.45), 9.0)}
 
+#: Power of the tube.
+_TUBE = 90.0
+
 
 def build(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
     """A ball under two suns and beside a tube, a disc and cards under a bulb near the camera, where a disc shows its
@@ -43,7 +46,7 @@ def build(scene: bpy.types.Scene) -> dict[str, bpy.types.Object]:
     bulb.energy, bulb.shadow_soft_size = 200.0, 0.04
     _link(scene, "Bulb", bulb).location = (0.35, -2.9, 1.2)
     tube = bpy.data.lights.new("Tube", "AREA")
-    tube.shape, tube.size, tube.size_y, tube.energy = "RECTANGLE", 0.14, 3.2, 90.0
+    tube.shape, tube.size, tube.size_y, tube.energy = "RECTANGLE", 0.14, 3.2, _TUBE
     lamp = _link(scene, "Tube", tube)
     lamp.location = (-3.5, -3.7, 0.3)
     lamp.rotation_euler = Vector((3.5, 3.7, 0.0)).to_track_quat("-Z", "Y").to_euler()
@@ -164,6 +167,7 @@ def picture(
         scene.objects[name].hide_render = flat
         scene.objects[name].data.energy = strength / asset.bright
     scene.objects["Bulb"].hide_render = not flat
+    scene.objects["Tube"].data.energy = _TUBE / asset.dim
     scene.objects["Tube"].hide_render = asset.shape in ("BODY", "DISC") or not asset.mirrors
     assert scene.world is not None
     sky: Any = give_nodes(scene.world).nodes["Background"]

@@ -62,10 +62,13 @@ class Batch:
         That change, each once, in the order of their first change.
     waiting
         Socket and what it takes, where one of them is `Later`.
+    places
+        Of new nodes, by their pointers.
     """
 
     trees: dict[str, bpy.types.NodeTree] = field(default_factory=dict)
     waiting: list[tuple[Any, Any]] = field(default_factory=list)
+    places: dict[int, tuple[float, float]] = field(default_factory=dict)
 
 
 #: The batch that is being made; None: every change is brought up to date by itself.
@@ -90,8 +93,10 @@ def make(work: Callable[[], Any]) -> Any:
             made = _within_update(work)
         finally:
             current = None
-        _bring_up_to_date(batch)
+        if not all(_is_there(each) for pair in batch.waiting for each in pair):
+            _bring_up_to_date(batch)
         _within_update(lambda: _put_all(batch.waiting))
+        _put_in_place(batch)
         _bring_up_to_date(batch)
     except BaseException:
         for tree in batch.trees.values():  # half a group is none: `node_graph.shared_group` makes an empty one anew
@@ -104,6 +109,17 @@ def changes(tree: bpy.types.NodeTree) -> None:
     """A tree is about to change."""
     if current is not None:
         current.trees.setdefault(tree.name, tree)
+
+
+def place(node: bpy.types.Node, at: tuple[float, float]) -> None:
+    """Where a node lies in its tree.
+
+    Blender 5.2 looks through the whole tree for each place that is set alone.
+    """
+    if current is None:
+        node.location = at
+    else:
+        current.places[node.as_pointer()] = at
 
 
 def of_group(node: bpy.types.Node) -> bpy.types.Node:
@@ -134,6 +150,17 @@ def _put_all(waiting: list[tuple[Any, Any]]) -> bool:
 
 def _found(socket: Any) -> Any:
     return socket.socket() if isinstance(socket, Later) else socket
+
+
+def _is_there(value: Any) -> bool:
+    """5.2 makes the sockets of groups with the node, 4.5 with an update."""
+    return not isinstance(value, Later) or value.name in getattr(value.node, value.side)
+
+
+def _put_in_place(batch: Batch) -> None:
+    for tree in batch.trees.values():
+        at = [batch.places.get(node.as_pointer()) or tuple(node.location) for node in tree.nodes]
+        tree.nodes.foreach_set("location", [number for place in at for number in place])
 
 
 def _bring_up_to_date(batch: Batch) -> None:

@@ -40,7 +40,7 @@ class Graph:
         for name, value in properties.items():
             setattr(node, name, value)
         node.hide = True
-        node.location = (180.0 * (self._place // 12), -60.0 * (self._place % 12))
+        batch.place(node, (180.0 * (self._place // 12), -60.0 * (self._place % 12)))
         self._place += 1
         return batch.of_group(node) if kind in batch.GROUPS else node
 

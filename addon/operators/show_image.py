@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 from bpy.props import StringProperty
 
+from .. import pictures
+
 
 class DIFFRACTION_OT_show_image(bpy.types.Operator):
     """Open the picture in an image editor: one that is there, else in a window of its own"""
@@ -20,7 +22,7 @@ class DIFFRACTION_OT_show_image(bpy.types.Operator):
         if image is None:
             self.report({"ERROR"}, f"There is no image '{self.name}'; make it first.")
             return {"CANCELLED"}
-        area = _editor(context)
+        window, area = _editor(context) or (None, None)
         if area is None:
             if bpy.app.background:
                 self.report({"ERROR"}, "There is no window to open it in.")
@@ -32,17 +34,18 @@ class DIFFRACTION_OT_show_image(bpy.types.Operator):
             area.ui_type = "IMAGE_EDITOR"
         area.spaces.active.image = image
         area.tag_redraw()
+        pictures.fit_soon(window, area, image)
         return {"FINISHED"}
 
 
-def _editor(context: bpy.types.Context) -> bpy.types.Area | None:
+def _editor(context: bpy.types.Context) -> tuple[bpy.types.Window, bpy.types.Area] | None:
     """An image editor that shows no other picture of importance: a render keeps its own."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "IMAGE_EDITOR":
                 shown = area.spaces.active.image
                 if shown is None or shown.type != "RENDER_RESULT":
-                    return area
+                    return window, area
     return None
 
 

@@ -48,8 +48,9 @@ Progress = Callable[[str, float], None]
 #: Does what `PolarIntensity.coefficients` does on another device: gets it, the kappas and a progress (a fraction).
 Transforms = Callable[[PolarIntensity, np.ndarray, Callable[[float], None]], np.ndarray]
 
-#: Angles that go from the transforms to the spectral sum at a time, at most; bounds the memory in between.
-ANGLES_A_BLOCK = 96
+#: Angles that go from the transforms to the spectral sum at a time, at most, with their opposites; bounds the memory in
+#: between.
+ANGLES_A_BLOCK = 72
 
 #: Polar angles of the row that holds the reflectance of the surface's stuff.
 N_REFLECTANCE = 91
@@ -311,7 +312,8 @@ def _bake(
     stages.done("transforms")
 
     stuff = None if stack is None else Reflectance(stack, wavelengths, parameters.lacquer, index)
-    with threadpool_limits(1, user_api="blas"):
+    with ThreadPoolExecutor(1) as beside, threadpool_limits(1, user_api="blas"):
+        key = beside.submit(table_key, scan, parameters)  # the choice of nodes leaves a processor free
         layout, reached = refine(
             polar,
             coefficients,
@@ -397,7 +399,7 @@ def _bake(
         "share_lost": lost_share(albedo),
     }
     info = {
-        "key": table_key(scan, parameters),
+        "key": key.result(),
         "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
         "source": {
             **origin(scan),
@@ -434,11 +436,11 @@ def _bake(
 
 
 def blocks_of_angles(count: int) -> list[slice]:
-    """Even blocks, twelve or a multiple of it where they are not too small: 2, 3, 4 or 6 threads end together.
+    """Even blocks of half a circle, six or a multiple where they are not too small: 2, 3 or 6 threads end together.
 
     They do not depend on the threads, so that the same bake gives the same bytes on one processor and on many.
     """
-    size = max(48, math.ceil(count / (12 * math.ceil(count / (12 * ANGLES_A_BLOCK)))))
+    size = max(24, math.ceil(count / (6 * math.ceil(count / (6 * ANGLES_A_BLOCK)))))
     return [slice(start, min(start + size, count)) for start in range(0, count, size)]
 
 
@@ -454,22 +456,30 @@ def _integrate(
 
     Returns means of S over sectors, ``(sectors, n_f, n)`` for each of the sum's grids.
     """
-    blocks = blocks_of_angles(layout.n_phi)
+    half = layout.n_phi // 2
+    blocks = blocks_of_angles(half)
     flat = None if transform is None else transform.reshape(layout.n_r, layout.n_w * 3, layout.n_phi)
     sectors = min(SECTORS, layout.n_phi)
     means = [np.zeros((sectors, len(each), total.n_nodes), np.float32) for each in total.grids]
 
-    def integrate(block: slice) -> tuple[int, list[np.ndarray]]:
-        seen = [polar.polar(coefficients, layout.angles[block], each) for each in total.grids]
+    def integrate(block: slice) -> list[tuple[int, list[np.ndarray]]]:
+        """Some angles, and those half a circle on; their shares of the sectors."""
+        seen = [polar.polar(coefficients, layout.angles[block], each, opposite=True) for each in total.grids]
+        both = [block, slice(block.start + half, block.stop + half)]
         if flat is not None:
-            total.apply(seen, flat[..., block])
-        low, share = sector_shares(layout, block.start, block.stop)
-        return low, [(share @ each.reshape(len(each), -1)).reshape(-1, *each.shape[1:]) for each in seen]
+            total.apply_into(seen, [flat[..., each] for each in both])
+        found = []
+        for each, first in zip(both, (0, len(seen[0]) // 2), strict=True):
+            low, share = sector_shares(layout, each.start, each.stop)
+            lines = [x[first : first + share.shape[1]] for x in seen]
+            found.append((low, [(share @ x.reshape(len(x), -1)).reshape(-1, *x.shape[1:]) for x in lines]))
+        return found
 
     with ThreadPoolExecutor(workers()) as pool:
-        for done, (low, parts) in enumerate(pool.map(integrate, blocks), 1):
-            for mean, part in zip(means, parts, strict=True):
-                mean[low : low + len(part)] += part
+        for done, found in enumerate(pool.map(integrate, blocks), 1):
+            for low, parts in found:
+                for mean, part in zip(means, parts, strict=True):
+                    mean[low : low + len(part)] += part
             stages.report("spectral sum", 0.59 + 0.25 * done / len(blocks))
     return means
 

@@ -97,7 +97,7 @@ def bake_bytes(
     coefficients = 4.0 * along_x.fine * along_y.fine * nodes
     texels = 12.0 * layout.n_r * layout.n_w * layout.n_phi
     frequencies = parameters.frequency_max / (RADIAL_STEP * lobe_width(sigma_s_m))
-    block = angles_a_block * frequencies * (16 * 16.0 + 5.0 * nodes)
+    block = angles_a_block * frequencies * (16 * 16.0 + 9.0 * nodes)
     matrices = 4.0 * layout.n_r * layout.n_w * 3 * nodes * _TAPS_A_RADIUS
     heights = rows * cols * (2 * 9.0 + (4.0 if parameters.series == "nodes" else 16.0))
     stages = (

@@ -26,7 +26,7 @@ import numpy as np
 
 from ..constants import FREQUENCY_MAX, KAPPA_MAX
 from ..scan.heightfield import HeightField
-from .scipy_kernels import sparse_product
+from ..scipy_kernels import sparse_product
 from .series import Series
 from .spectral_sum import RADIAL_STEP
 from .transforms import Axis, Transforms, interleave, lobe_width, workers
@@ -71,17 +71,18 @@ class PolarIntensity:
         frequency_max: float = FREQUENCY_MAX,
     ) -> None:
         rows, cols = field.shape
-        self.x = Axis.plan(cols, field.dx, sigma_s_m, frequency_max)
-        self.y = Axis.plan(rows, field.dy, sigma_s_m, frequency_max)
+        smoothed = ensemble == "average"
         self.window_axes = (
             window_axis(rows, field.dy, sigma_s_m, ensemble),
             window_axis(cols, field.dx, sigma_s_m, ensemble),
         )
+        self.y = Axis.plan(rows, field.dy, sigma_s_m, frequency_max, self.window_axes[0], smoothed)
+        self.x = Axis.plan(cols, field.dx, sigma_s_m, frequency_max, self.window_axes[1], smoothed)
         area = float(np.prod([axis @ axis for axis in self.window_axes])) * field.dx * field.dy
         # One transform a kappa multiplies the rows by the window as it goes; a series needs it whole.
         window = np.ones((1, 1)) if series == "nodes" else np.outer(*self.window_axes)
         self.series = Series(field.heights, window, kappa_max, series, tolerance, self._spectrum)
-        self.lag_axes = self._make_lag_axes(sigma_s_m if ensemble == "average" else None)
+        self.lag_axes = self._make_lag_axes(sigma_s_m if smoothed else None)
         self._transforms = Transforms(self.x, self.y, self.lag_axes)
         # |sum p|^2 (dx dy)^2 / norm; the inverse transform over the band divides by its size and multiplies
         # by the lag area of 1 / (padded steps), the last transform integrates over lags.
@@ -144,6 +145,7 @@ class PolarIntensity:
                     if progress is not None:
                         progress((index + 1) / count)
                 interleave(planes[: len(group)], out[..., group.start : group.stop], pool)
+        self._transforms.free()
         return out.reshape(-1, count)
 
     def _of_node(self, kappa: float, out: np.ndarray, pool: ThreadPoolExecutor) -> None:
@@ -154,7 +156,13 @@ class PolarIntensity:
 
         self._transforms.of_band(self._transforms.band(rows, np.complex64, pool), out, pool)
 
-    def polar(self, coefficients: np.ndarray, angles: np.ndarray, frequencies: np.ndarray | None = None) -> np.ndarray:
+    def polar(
+        self,
+        coefficients: np.ndarray,
+        angles: np.ndarray,
+        frequencies: np.ndarray | None = None,
+        opposite: bool = False,
+    ) -> np.ndarray:
         """S on the polar grid.
 
         Parameters
@@ -165,24 +173,28 @@ class PolarIntensity:
             ``(m,)`` radians.
         frequencies
             ``(n_f,)`` radial, 1/m; all for None.
+        opposite
+            Whether the same angles half a circle on follow them, which have the same weights.
 
         Returns
         -------
         ndarray
-            ``(m, n_f, n)`` float32, m^2.
+            ``(m, n_f, n)`` float32, m^2; ``(2 m, n_f, n)`` with the opposite ones.
         """
         frequencies = self.frequencies if frequencies is None else frequencies
         row, wy = _cubic_b_spline(np.outer(np.sin(angles), frequencies / self.y.frequency_step).ravel())
         col, wx = _cubic_b_spline(np.outer(np.cos(angles), frequencies / self.x.frequency_step).ravel())
-        row = (row + self.y.fine // 2) % self.y.fine * np.int32(self.x.fine)
-        col = (col + self.x.fine // 2) % self.x.fine
         wy *= np.float32(self._factor)
         # Neighbours along a ray share most of their cells: angle by angle.
         weights = (wy[:, :, None] * wx[:, None, :]).reshape(-1, 16)
-        indices = (row[:, :, None] + col[:, None, :]).reshape(-1, 16)
-        values = sparse_product(indices, weights, coefficients)
+        values = np.empty((1 + opposite, len(weights), coefficients.shape[1]), np.float32)
+        for turned, target in enumerate(values):
+            y = (self.y.fine // 2 + (-row if turned else row)) % self.y.fine * np.int32(self.x.fine)
+            x = (self.x.fine // 2 + (-col if turned else col)) % self.x.fine
+            indices = (y[:, :, None] + x[:, None, :]).reshape(-1, 16)
+            sparse_product(indices, weights, coefficients, out=target)
         np.maximum(values, 0.0, out=values)
-        return values.reshape(len(angles), len(frequencies), -1)
+        return values.reshape(-1, len(frequencies), coefficients.shape[1])
 
 
 def _cubic_b_spline(position: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

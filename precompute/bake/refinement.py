@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,6 +27,7 @@ import numpy as np
 from ..table.layout import TableLayout, near_square_columns
 from .intensity import PolarIntensity
 from .spectral_sum import RADIAL_STEP, Reflectance, SpectralSum
+from .transforms import workers
 
 #: Values below this part of the largest in their plane of incidence do not count.
 FLOOR = 1e-3
@@ -54,6 +56,9 @@ _AIM, _LEAP = 0.88, 2.5
 
 #: Layouts that are looked at, at most.
 _ROUNDS = 5
+
+#: Angles that a thread looks at at a time.
+_ANGLES_A_TIME = 12
 
 #: Where slices may turn from even to a constant ratio.
 _W0 = (0.4, 0.8, 1.6, 4.0)
@@ -194,8 +199,14 @@ class _Errors:
         rows = np.unique(np.rint(np.concatenate([planes, planes + math.pi]) / step).astype(int) % layout.n_phi)
         rows = np.unique(np.concatenate([rows, (rows + layout.n_phi // 2) % layout.n_phi]))
         angles = ((rows[:, None] + [-1, 0, 1]) * step).ravel()
-        seen = [polar.polar(coefficients, angles, each) for each in total.grids]
-        found = total.apply(seen).reshape(layout.n_r, len(near), 3, len(rows), 3)  # radius, slice, XYZ, row, beside
+
+        def along(few: np.ndarray) -> np.ndarray:
+            return total.apply([polar.polar(coefficients, few, each) for each in total.grids])
+
+        with ThreadPoolExecutor(workers()) as pool:
+            parts = [angles[start : start + _ANGLES_A_TIME] for start in range(0, len(angles), _ANGLES_A_TIME)]
+            found = np.concatenate(list(pool.map(along, parts)), axis=-1)
+        found = found.reshape(layout.n_r, len(near), 3, len(rows), 3)  # radius, slice, XYZ, row, beside
         found = found * (slices**-layout.power)[:, None, None, None]
         at = np.searchsorted(near, self.middle)
         below, middle, above = np.moveaxis(found, -1, 0)

@@ -11,6 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from ..table import scaled_bound
+from ..table.cells import Divisor, needed
 from ..table.scaled_albedo import albedo_ratios
 from ..table.table import SpectralTable
 from .energy import WAVELENGTHS, Albedos
@@ -42,7 +43,7 @@ def scaled_bounds(
         As for `precompute.bake.energy.energy`.
     """
     layout, thetas = table.layout, scaled_bound.THETAS
-    albedos = Albedos(frequencies, means, nodes, kappa_max, layout, layout.index, None, _RING)
+    albedos = Albedos(frequencies, means, nodes, kappa_max, layout, layout.index, _RING)
     most_s, most_q = layout.headroom
     n_scales, n_depths = len(scaled_bound.SCALES), len(scaled_bound.DEPTHS)
     depths = [most_q * q for q in scaled_bound.DEPTHS]
@@ -50,21 +51,16 @@ def scaled_bounds(
     tile_theta = np.arange(layout.n_theta) * (0.5 * np.pi / (layout.n_theta - 1))
     tile_phi = np.arange(scaled_bound.N_AZIMUTHS) * layout.n_albedo_phi // scaled_bound.N_AZIMUTHS
     own = np.stack([np.interp(thetas, tile_theta, row) for row in albedo[tile_phi]], -1)
-    divisors = np.maximum((own * albedo_ratios(table, pairs)).min(-1), 1.0).reshape(n_scales, n_depths, -1)
+    least = (own * albedo_ratios(table, pairs)).min(-1).reshape(n_scales, n_depths, -1)
     few = np.linspace(wavelengths[0], wavelengths[-1], WAVELENGTHS)
+    divisors = [Divisor(thetas, least[:, k]) for k in range(n_depths)]
 
     def of_wavelength(wavelength: float) -> np.ndarray:
         at = None if gain is None else np.array([np.interp(wavelength, wavelengths, row) for row in gain])
-        light = albedos.light(wavelength, at, most_s).reshape(-1, scaled_bound.N_AZIMUTHS)
-        found = [
-            [each.needed(light, thetas, divisor) for each, divisor in zip(cells, at_scale, strict=True)]
-            for cells, at_scale in zip(
-                (albedos.cells(wavelength / (most_s * s), thetas, depths) for s in scaled_bound.SCALES),
-                divisors,
-                strict=True,
-            )
-        ]
-        return np.array(found)
+        light = albedos.light(wavelength, at, most_s)
+        cells = albedos.cells([wavelength / (most_s * s) for s in scaled_bound.SCALES], thetas)
+        left = [cells.left(light, albedos.slices, q, each) for q, each in zip(depths, divisors, strict=True)]
+        return needed(np.stack(left, axis=1))
 
     with ThreadPoolExecutor(workers()) as pool:
         return np.stack(list(pool.map(of_wavelength, few))).max(0)

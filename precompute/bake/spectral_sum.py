@@ -23,6 +23,7 @@ from copy import copy
 
 import numpy as np
 
+from ..scipy_kernels import spread_product
 from ..stack import Material, Stack
 from .series import node_weights
 from .transforms import LAG_CUT, lobe_width, workers
@@ -33,8 +34,8 @@ RADIAL_STEP = 0.4
 #: Largest error that a step twice as wide may leave in any lag of the intensities, relative to the whole light.
 _COARSE_ERROR = 5e-4
 
-#: Wavelengths that go through one product: a radius' interpolation is a narrow band, which products of all would fill.
-_WAVELENGTHS_A_PRODUCT = 50
+#: Radii whose matrices a thread makes at a time.
+_RADII_A_TIME = 8
 
 
 class Reflectance:
@@ -140,13 +141,13 @@ class SpectralSum:
         if coarse is None:
             coarse = coarse_from(frequencies[1], radii, slices, wavelengths, weights, reflectance)
         self.coarse = coarse
-        # factors[(w, c, n), lambda]: everything that does not depend on the radius.
+        # factors[lambda, (n, w, c)]: everything that does not depend on the radius.
         kappa = 2.0 * np.pi * slices[:, None] / wavelengths
         lagrange = node_weights(nodes, kappa_max, kappa.ravel()).reshape(self.n_w, len(wavelengths), len(nodes))
         if gain is not None:
             lagrange = lagrange * gain[:, :, None]
-        factors = np.einsum("lc,wln->wcnl", weights / wavelengths[:, None] ** 2, lagrange)
-        factors = factors.reshape(-1, len(wavelengths)).astype(np.float32)
+        factors = np.einsum("lc,wln->lnwc", weights / wavelengths[:, None] ** 2, lagrange)
+        factors = np.ascontiguousarray(factors.reshape(len(wavelengths), -1), dtype=np.float32)
         near = len(frequencies)
         if coarse < len(radii):
             last = radii[max(coarse - 1, 0)] / wavelengths[0] / frequencies[1]
@@ -159,62 +160,60 @@ class SpectralSum:
             first, taps = cubic_lagrange(r / wavelengths / step, len(self.grids[grid]))
             seen = None if reflectance is None else reflectance(r, slices).astype(np.float32)
             low, product = self._banded(factors, first, taps.astype(np.float32), seen)
-            by_node = product.reshape(self.n_w * 3, self.n_nodes, -1).transpose(0, 2, 1)
-            return grid, low * self.n_nodes, by_node.reshape(self.n_w * 3, -1)
+            return grid, low * self.n_nodes, product.reshape(-1, self.n_w * 3).T
 
-        #: Grid, first value of a line of it, and matrix ``(n_w * 3, (f, n))`` of each radius.
+        #: Grid, first value of a line of it, and matrix ``(n_w * 3, (f, n))`` of each radius, in column order.
         self.matrices: list[tuple[int, int, np.ndarray]] = []
+        parts = [range(len(radii))[start : start + _RADII_A_TIME] for start in range(0, len(radii), _RADII_A_TIME)]
         with ThreadPoolExecutor(workers()) as pool:
-            for made in pool.map(matrix, range(len(radii))):
-                self.matrices.append(made)
+            for made in pool.map(lambda part: [matrix(index) for index in part], parts):
+                self.matrices += made
                 if progress is not None:
                     progress(len(self.matrices) / len(radii))
 
     def _banded(
         self, factors: np.ndarray, first: np.ndarray, taps: np.ndarray, seen: np.ndarray | None
     ) -> tuple[int, np.ndarray]:
-        """First frequency and ``((w, c, n), f)`` sum over the wavelengths of factors and interpolation.
+        """First frequency and ``(f, (n, w, c))`` sum over the wavelengths of factors and interpolation.
 
         ``first`` falls with the wavelength; ``seen`` is ``(n_w, L)``.
         """
         low, high = int(first[-1]), int(first[0]) + taps.shape[1]
-        count = len(first)
-        total = np.zeros((len(factors), high - low), np.float32)
-        for start in range(0, count, _WAVELENGTHS_A_PRODUCT):
-            stop = min(start + _WAVELENGTHS_A_PRODUCT, count)
-            here, there = int(first[stop - 1]), int(first[start]) + taps.shape[1]
-            radial = np.zeros((stop - start, there - here), np.float32)
-            places = first[start:stop, None] - here + np.arange(taps.shape[1])
-            radial[np.arange(stop - start)[:, None], places] = taps[start:stop]
-            part = factors[:, start:stop]
-            if seen is not None:
-                part = (part.reshape(self.n_w, -1, stop - start) * seen[:, None, start:stop]).reshape(len(factors), -1)
-            total[:, here - low : there - low] += part @ radial
-        return low, total
+        places = (first[:, None] - low + np.arange(taps.shape[1])).astype(np.int32)
+        if seen is not None:
+            by_slice = factors.reshape(len(first), self.n_nodes, self.n_w, 3)
+            factors = (by_slice * seen.T[:, None, :, None]).reshape(factors.shape)
+        return low, spread_product(places, taps, factors, high - low)
 
-    def apply(self, intensities: Sequence[np.ndarray], out: np.ndarray | None = None) -> np.ndarray:
+    def apply(self, intensities: Sequence[np.ndarray]) -> np.ndarray:
         """Integrate a block of angles.
 
         Parameters
         ----------
         intensities
             ``(m, n_f, n)`` float32 for each of `grids`, S = lambda^2 T, m^2.
-        out
-            ``(n_r, n_w * 3, m)`` float32; a new array for None.
 
         Returns
         -------
         ndarray
             ``(n_r, n_w, 3, m)`` float32, T in XYZ, 1/sr.
         """
+        out = np.empty((len(self.matrices), self.n_w * 3, len(intensities[0])), np.float32)
+        self.apply_into(intensities, [out])
+        return out.reshape(len(out), self.n_w, 3, -1)
+
+    def apply_into(self, intensities: Sequence[np.ndarray], out: Sequence[np.ndarray]) -> None:
+        """The same, into arrays ``(n_r, n_w * 3, part of m)`` that take the angles in order."""
         lines = [each.reshape(len(each), -1) for each in intensities]
-        count = len(lines[0])
-        if out is None:
-            out = np.empty((len(self.matrices), self.n_w * 3, count), np.float32)
-        for (grid, start, matrix), target in zip(self.matrices, out, strict=True):
-            np.matmul(matrix, lines[grid][:, start : start + matrix.shape[1]].T, out=target)
-            np.maximum(target, 0.0, out=target)
-        return out.reshape(len(out), self.n_w, 3, count)
+        targets, start = [], 0
+        for each in out:
+            targets.append((slice(start, start + each.shape[-1]), each))
+            start += each.shape[-1]
+        for index, (grid, first, matrix) in enumerate(self.matrices):
+            for angles, target in targets:  # all of them while the matrix is in the cache
+                values = lines[grid][angles, first : first + matrix.shape[1]]
+                np.matmul(matrix, values.T, out=target[index])
+                np.maximum(target[index], 0.0, out=target[index])
 
 
 def coarse_from(

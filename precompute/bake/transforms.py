@@ -21,10 +21,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..constants import FREQUENCY_MAX
-from .scipy_kernels import fast_length, real_inverse, real_transform, transform
+from ..scipy_kernels import fast_length, real_inverse, real_transform, transform
 
 #: Lags beyond this many sigma_s are cut: exp(-6.5^2 / 4) = 2.6e-5.
 LAG_CUT = 6.5
+
+#: Part of the light that may wrap around to other lags: as much as the lag at the cut weighs.
+WRAPPED = float(np.exp(-(LAG_CUT**2) / 4.0))
 
 #: Side of the lag square that the last transform sees, in cut lags: room for the B-spline.
 LAG_ROOM = 1.2
@@ -49,6 +52,34 @@ def workers() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def least_period(window: np.ndarray, cut: int, step: float, sigma_s_m: float, smoothed: bool) -> int:
+    """Least length of a periodic transform whose lags are right up to some cut.
+
+    A lag D of period P also holds the lag P - D. Of that a window w lets through ``a(P - D) / a(0)`` at most, a its
+    autocorrelation, and the lags' own weights ``exp(-D^2 / (4 sigma_s^2))`` of that: together no more than
+    `WRAPPED` of the whole light.
+
+    Parameters
+    ----------
+    window
+        ``(pixels,)`` w.
+    cut
+        Lags that are looked at, in pixels.
+    step, sigma_s_m
+        Metres.
+    smoothed
+        Whether lags have these weights.
+    """
+    count = len(window)
+    own = np.fft.irfft(np.abs(np.fft.rfft(window, 2 * count)) ** 2, 2 * count)[:count]
+    # The largest of what lies beyond each lag, from the longest lag inwards: growing.
+    beyond = np.maximum.accumulate(np.maximum(own[::-1] / own[0], 0.0))
+    lags = np.arange(cut + 1)
+    weights = np.exp(-((lags * step / sigma_s_m) ** 2) / 4.0) if smoothed else np.ones(cut + 1)
+    nearest = count - np.searchsorted(beyond, WRAPPED / weights, side="right")
+    return max(int((lags + nearest).max()), count) + 1
+
+
 @dataclass(frozen=True)
 class Axis:
     """One axis of the transforms: from pixels to cropped frequencies, lags and fine frequencies."""
@@ -61,10 +92,34 @@ class Axis:
     fine: int  # length of the last transform
 
     @classmethod
-    def plan(cls, pixels: int, step: float, sigma_s_m: float, frequency_max: float = FREQUENCY_MAX) -> Axis:
+    def plan(
+        cls,
+        pixels: int,
+        step: float,
+        sigma_s_m: float,
+        frequency_max: float = FREQUENCY_MAX,
+        window: np.ndarray | None = None,
+        smoothed: bool = False,
+    ) -> Axis:
+        """Lengths for one axis of a patch.
+
+        Parameters
+        ----------
+        pixels, step
+            Number and size (metres).
+        sigma_s_m, frequency_max
+            Coherence window, metres; largest frequency, 1/m.
+        window, smoothed
+            ``(pixels,)`` what the patch is multiplied by, and whether its lags are weighted with
+            ``exp(-D^2 / (4 sigma_s^2))``: lags that hardly count may then wrap around. None pads until none does.
+        """
         length = pixels * step
         lag_cut = min(length, LAG_CUT * sigma_s_m)
-        padded = fast_length(int(np.ceil((length + lag_cut) / step)) + 1)
+        if window is None:
+            padded = fast_length(int(np.ceil((length + lag_cut) / step)) + 1)
+        else:
+            # Of factors 2, 3 and 5 alone, which transforms are quick with.
+            padded = fast_length(least_period(window, int(np.ceil(lag_cut / step)), step, sigma_s_m, smoothed), True)
         top = frequency_max + BAND_MARGIN * lobe_width(sigma_s_m)
         # Even and of small prime factors.
         band = 2 * fast_length(int(np.ceil(top * padded * step)) + 1, real=True)
@@ -117,11 +172,12 @@ class Transforms:
         self._lag_y = (lag_axes[0] * sign_y)[: y.cut + 1, None].astype(np.float32)
         self._lag_x = (lag_axes[1] * sign_x).astype(np.float32)
         self._local = threading.local()
+        self._rooms: dict[str, np.ndarray] = {}
 
     def band(self, rows: Rows, kind: np.dtype | type, pool: ThreadPoolExecutor) -> np.ndarray:
-        """``(rows, band)`` round 1: ``sum p exp(+2 pi i f x)`` along x."""
+        """``(rows, band)`` round 1: ``sum p exp(+2 pi i f x)`` along x; overwritten by the next."""
         x = self.x
-        out = np.empty((self.y.pixels, x.band), kind)
+        out = self._room("band", (self.y.pixels, x.band), kind)
         runs = x.band_runs()
 
         def work(here: slice) -> None:
@@ -178,8 +234,8 @@ class Transforms:
     ) -> None:
         x, y = self.x, self.y
         # R(D) belongs to a real power: the half with D_y >= 0 holds it all.
-        lags = np.empty((y.cut + 1, x.band), np.complex64)
-        half = np.empty((y.cut + 1, x.fine), np.complex64)
+        lags = self._room("lags", (y.cut + 1, x.band), np.complex64)
+        half = self._room("half", (y.cut + 1, x.fine), np.complex64)
 
         def to_lags(here: slice) -> None:
             count = here.stop - here.start
@@ -210,6 +266,17 @@ class Transforms:
         _all(pool, weigh, y.cut + 1, 8 * x.band)
         _all(pool, to_frequencies, x.fine, 8 * y.fine)
 
+    def _room(self, name: str, shape: tuple[int, int], kind: np.dtype | type) -> np.ndarray:
+        """Room for what lies between two rounds, used again for the next kappa."""
+        room = self._rooms.get(name)
+        if room is None or room.shape != shape or room.dtype != kind:
+            room = self._rooms[name] = np.empty(shape, kind)
+        return room
+
+    def free(self) -> None:
+        """Give the room between the rounds back."""
+        self._rooms.clear()
+
     def _buffer(self, name: str, shape: tuple[int, int], kind: np.dtype | type) -> np.ndarray:
         """Room that this thread uses again and again."""
         size = shape[0] * shape[1]
@@ -238,5 +305,11 @@ def _square(values: np.ndarray, out: np.ndarray, spare: np.ndarray) -> None:
 def _all(pool: ThreadPoolExecutor, work: Callable[[slice], None], count: int, line_bytes: int) -> None:
     """Do the work on all lines, a group of them at a time; whole multiples of 8, which transforms take at once."""
     step = max(8, _LINE_BYTES // line_bytes // 8 * 8)
-    for _ in pool.map(work, [slice(start, min(start + step, count)) for start in range(0, count, step)]):
-        pass
+    groups = iter([slice(start, min(start + step, count)) for start in range(0, count, step)])
+
+    def next_groups() -> None:
+        for group in groups:  # a list's iterator gives each to one thread, and threads need not be woken for each
+            work(group)
+
+    for done in [pool.submit(next_groups) for _ in range(workers())]:
+        done.result()

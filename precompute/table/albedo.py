@@ -20,6 +20,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 
+from ..scipy_kernels import scattered
 from .layout import TableLayout
 
 #: Azimuthal sectors of the quadrature.
@@ -71,30 +72,31 @@ def albedo_map(
     radii = layout.radii
     edges = np.concatenate([[0.0], 0.5 * (radii[1:] + radii[:-1]), [radii[-1]]])
     delta = 2.0 * np.pi / sectors
-    area = (_hat_areas(radii) * delta)[:, None]
+    area = _hat_areas(radii) * delta
     half = (sectors + 1) // 2
     alpha = (np.arange(half) + 0.5) * delta
-    half_extent = 0.5 * np.hypot(np.diff(edges)[:, None], radii[:, None] * delta)
-    r = radii[:, None]
+    half_extent = 0.5 * np.hypot(np.diff(edges), radii * delta)
+    r = radii
     thetas = np.minimum(np.arange(layout.n_theta) * (0.5 * np.pi / (layout.n_theta - 1)), THETA_LAST)
     order = np.arange(sectors // 2 + 1)
     # Fourier series of the means over the sectors, (order, (r, w), (c, re and im)), and the kernel's cosines.
-    turns = np.exp(-1j * delta * np.outer(np.arange(sectors), order))
-    flat = means.reshape(-1, sectors).astype(np.float32)
-    series = np.stack([flat @ part.astype(np.float32) for part in (turns.real, turns.imag)])
-    series = series.reshape(2, layout.n_r * layout.n_w, 3, -1).transpose(3, 1, 2, 0).reshape(len(order), -1, 6)
-    series = np.ascontiguousarray(series)
+    turns = np.exp(-1j * delta * np.outer(order, np.arange(sectors)))
+    flat = means.reshape(layout.n_r * layout.n_w, 3, sectors).astype(np.float32, copy=False)
+    series = np.empty((len(order), layout.n_r * layout.n_w, 6), np.float32)
+    for component in range(3):
+        for number, part in enumerate((turns.real, turns.imag)):
+            series[:, :, 2 * component + number] = part.astype(np.float32) @ flat[:, component].T
     cosines = 2.0 * np.cos(np.outer(order, alpha))
     if sectors % 2:
         cosines[:, -1] *= 0.5  # the middle sector is its own mirror image
     cosines = cosines.astype(np.float32)
-    place = np.arange(layout.n_r)[:, None] * layout.n_w
+    place = np.arange(layout.n_r, dtype=np.int32) * layout.n_w
 
     def products(first: int) -> np.ndarray:
         """``(order, thetas, 3)`` coefficients of the correlation with T, for some polar angles."""
-        theta = thetas[first : first + _THETAS_A_TIME, None, None]
+        theta = thetas[first : first + _THETAS_A_TIME, None]
         sin_r, cos_r = np.sin(theta), np.cos(theta)
-        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha) + sin_r**2, 0.0))
+        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(alpha)[:, None, None] + sin_r**2, 0.0))
         inside = np.minimum(rho, 1.0)
         cos_i = np.sqrt(1.0 - (inside / index) ** 2)
         if index > 1.0:  # no infinity: what lies outside the horizon is left out
@@ -109,12 +111,15 @@ def albedo_map(
         weight = (0.5 * (r**2 + w**2) / index**2) ** 2 / (cos_r * (w / index) ** 2) * inverse_cos * area
         factor = weight * layout.gain(w)
         position = layout.slice_coordinate(w)
-        lower = np.minimum(position.astype(int), layout.n_w - 2)
+        lower = np.minimum(position.astype(np.int32), layout.n_w - 2)
         blend = position - lower
-        kernel = np.zeros((half, len(theta), layout.n_r * layout.n_w), np.float32)
-        at = np.arange(half), np.arange(len(theta))[:, None, None], place + lower
-        kernel[at] = factor * (1.0 - blend)
-        kernel[at[0], at[1], at[2] + 1] = factor * blend
+        at, share = np.empty((*w.shape, 2), np.int32), np.empty((*w.shape, 2), np.float32)
+        at[..., 0] = place + lower
+        at[..., 1] = at[..., 0] + 1
+        share[..., 0] = factor * (1.0 - blend)
+        share[..., 1] = factor * blend
+        terms = 2 * layout.n_r
+        kernel = scattered(at.reshape(-1, terms), share.reshape(-1, terms), layout.n_r * layout.n_w)
         even = (cosines @ kernel.reshape(half, -1)).reshape(len(order), len(theta), -1)
         found = (even @ series).reshape(len(order), len(theta), 3, 2)
         return found[..., 0] + 1j * found[..., 1]
@@ -153,7 +158,13 @@ def sector_means(texels: np.ndarray, sectors: int) -> np.ndarray:
     n_phi = texels.shape[-1]
     lines = texels.reshape(-1, n_phi)
     if n_phi % sectors == 0:
-        return lines.reshape(len(lines), sectors, -1).mean(-1).reshape(*texels.shape[:-1], sectors)
+        # Sums over a few neighbours are slow as such; neighbours of all sectors at a time are quick.
+        each = n_phi // sectors
+        means = lines[:, ::each].astype(np.float32)
+        for start in range(1, each):
+            means += lines[:, start::each]
+        means *= np.float32(1.0 / each)
+        return means.reshape(*texels.shape[:-1], sectors)
     edges = np.arange(sectors + 1) * (n_phi / sectors)
     means = np.empty((len(lines), sectors), np.float32)
     # Some sectors at a time: each is a sum over few rows.

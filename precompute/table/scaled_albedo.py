@@ -24,6 +24,7 @@ import numpy as np
 
 from . import scaled_bound
 from .albedo import DARK_WHITE
+from .cells import Cells, Slices, folded
 from .table import SpectralTable
 
 #: Tiles, and how many of them halve the scale; the first is the largest scale (1, or the table's headroom).
@@ -43,6 +44,9 @@ WIDTH, HEIGHT = N_SCALES * N_THETA, N_PHI + 2
 
 #: Polar angles (radians), azimuths and sectors of the coarse sums, and the width of rings over their radius.
 _THETAS, _AZIMUTHS, _SECTORS, _RING = scaled_bound.THETAS, scaled_bound.N_AZIMUTHS, 48, 0.05
+
+#: Scales that a thread looks at at a time.
+_AT_A_TIME = 3
 
 
 def place(scale: np.ndarray | float, depth: np.ndarray | float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -147,9 +151,14 @@ def albedo_ratios(table: SpectralTable, pairs: list[tuple[float, float]]) -> np.
         Scales and depths.
     """
     sums = _Sums(table)
+    scales = list(dict.fromkeys(scale for scale, _ in pairs))
+    depths = list(dict.fromkeys(depth for _, depth in pairs))
+    parts = [scales[start : start + _AT_A_TIME] for start in range(0, len(scales), _AT_A_TIME)]
     with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
-        found = np.stack(list(pool.map(lambda pair: sums.albedo(*pair), pairs)))
-    return found / np.maximum(sums.albedo(1.0, 1.0), 1e-6)
+        found = np.concatenate(list(pool.map(lambda part: sums.albedos(part, depths), parts)))
+    own = sums.albedos([1.0], [1.0])[0, 0]
+    rows = [found[scales.index(scale), depths.index(depth)] for scale, depth in pairs]
+    return np.stack(rows) / np.maximum(own, 1e-6)
 
 
 def _on_grid(albedo: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
@@ -172,10 +181,10 @@ def _on_tile(values: np.ndarray, around: np.ufunc | None = None) -> np.ndarray:
 
 
 class _Sums:
-    """Coarse sums of a table's light, see `albedo`."""
+    """Coarse sums of a table's light, see `albedos`."""
 
     def __init__(self, table: SpectralTable) -> None:
-        layout = self._layout = table.layout
+        layout = table.layout
         radii = layout.radii
         starts, start = [], 0
         while start < len(radii):
@@ -185,61 +194,35 @@ class _Sums:
         area = np.zeros(len(radii))  # of hat functions over r dr
         area[:-1] += step * (2.0 * radii[:-1] + radii[1:]) / 6.0
         area[1:] += step * (radii[:-1] + 2.0 * radii[1:]) / 6.0
-        ring_area = np.add.reduceat(area, starts)
-        self._r = np.add.reduceat(area * radii, starts) / ring_area
-        ends = np.append(radii[starts][1:], radii[-1])
-        self._width = ends - radii[starts]
+        self._r = np.add.reduceat(area * radii, starts) / np.add.reduceat(area, starts)
+        self._width = np.append(radii[starts][1:], radii[-1]) - radii[starts]
+        self._count, self._index = min(_SECTORS, layout.n_phi), layout.index
+        self._slices = Slices(layout, gain=True)
         white = np.asarray(table.info["colour"]["white_xyz"], float)
         bright = white > DARK_WHITE
-        count = min(_SECTORS, layout.n_phi)
-        light = np.empty((layout.n_w, count, len(starts), int(bright.sum())), np.float32)
-        edges = np.minimum((np.arange(count) * layout.n_phi) // count, layout.n_phi - 1)
-        sizes = np.diff(np.append(edges, layout.n_phi))[:, None, None]
-        for index in range(layout.n_w):
-            x, y = layout.tile_origin(index)
-            tile = table.atlas[y + 1 : y + 1 + layout.n_phi, x : x + layout.n_r][..., bright].astype(np.float32)
-            sectors = np.add.reduceat(tile, edges, axis=0) / sizes
-            light[index] = np.add.reduceat(sectors * area[:, None].astype(np.float32), starts, axis=1)
-        light *= layout.scale / white[bright].astype(np.float32)
-        self._delta = 2.0 * np.pi / count
-        shift = (np.arange(_AZIMUTHS) * count) // _AZIMUTHS
-        half = (count + 1) // 2
-        ahead = (np.arange(half)[:, None] + shift) % count
-        behind = (count - 1 - np.arange(half)[:, None] + shift) % count
-        once = np.where(ahead == behind, np.float32(0.5), np.float32(1.0))[..., None, None]
-        # (n_w, half, azimuths, rings, colours) -> rows of (azimuths, colours) by slice, ring and half sector
-        pairs = (light[:, ahead] + light[:, behind]) * once
-        self._rows = np.ascontiguousarray(pairs.transpose(0, 3, 1, 2, 4)).reshape(layout.n_w, len(starts) * half, -1)
-        self._alpha = (np.arange(half) + 0.5) * self._delta
+        weight = np.zeros((len(radii), len(starts)), np.float32)  # of each radius in its ring
+        weight[np.arange(len(radii)), np.repeat(np.arange(len(starts)), np.diff(np.append(starts, len(radii))))] = area
+        edges = np.minimum((np.arange(self._count) * layout.n_phi) // self._count, layout.n_phi - 1)
+        sizes = np.diff(np.append(edges, layout.n_phi)).astype(np.float32)[:, None]
+        scale = (layout.scale / white[bright]).astype(np.float32)
 
-    def albedo(self, scale: float, depth: float) -> np.ndarray:
-        """``(thetas, azimuths)`` the largest of X, Y and Z relative to white of the surface so scaled."""
-        layout, thetas = self._layout, _THETAS
-        n = layout.index
-        r = (self._r / scale)[:, None]
-        half_extent = 0.5 * np.hypot(self._width[:, None] / scale, r * self._delta)
-        sin_r = np.sin(thetas)[:, None, None]
-        cos_r = np.sqrt(1.0 - (sin_r / n) ** 2)
-        rho = np.sqrt(np.maximum(r**2 + 2.0 * r * sin_r * np.cos(self._alpha) + sin_r**2, 0.0))
-        inside = np.minimum(rho, 1.0)
-        cos_i = np.sqrt(1.0 - (inside / n) ** 2)
-        if n > 1.0:
-            inverse = np.clip(0.5 + (1.0 - rho) / (2.0 * half_extent), 0.0, 1.0) / cos_i
-        else:  # its mean over the cell's extent in rho, as in `albedo`
-            inverse = np.arcsin(np.minimum(rho + half_extent, 1.0)) - np.arcsin(np.clip(rho - half_extent, -1.0, 1.0))
-            inverse /= 2.0 * half_extent
-        w = n * (cos_i + cos_r)
-        weight = (0.5 * (r**2 + w**2) / n**2) ** 2 / (cos_r * (w / n) ** 2) * inverse * self._delta
-        weight *= layout.gain(depth * w)
-        position = layout.slice_coordinate(depth * w)
-        lower = np.minimum(position.astype(int), layout.n_w - 2)
-        blend = (position - lower).reshape(len(thetas), -1)
-        weight, lower = weight.reshape(len(thetas), -1), lower.reshape(len(thetas), -1)
-        cell = np.arange(weight.shape[1])
-        found = np.empty((len(thetas), self._rows.shape[-1]))
-        for k in range(len(thetas)):
-            lit = np.flatnonzero(weight[k])
-            below, above = self._rows[lower[k, lit], cell[lit]], self._rows[lower[k, lit] + 1, cell[lit]]
-            share, up = weight[k, lit].astype(np.float32), blend[k, lit].astype(np.float32)
-            found[k] = (share * (1 - up)) @ below + (share * up) @ above
-        return np.maximum(found.reshape(len(thetas), _AZIMUTHS, -1).max(-1), 0.0)
+        def rings(index: int) -> np.ndarray:
+            """``(colours, rings, sectors)`` light of a slice."""
+            x, y = layout.tile_origin(index)
+            tile = table.atlas[y + 1 : y + 1 + layout.n_phi, x : x + layout.n_r].astype(np.float32)
+            sectors = np.add.reduceat(tile.reshape(layout.n_phi, -1), edges, axis=0) / sizes
+            by_colour = sectors.reshape(self._count, layout.n_r, 3).transpose(2, 0, 1)[bright]
+            return (by_colour @ weight).transpose(0, 2, 1) * scale[:, None, None]
+
+        with ThreadPoolExecutor(min(os.cpu_count() or 1, 8)) as pool:
+            light = np.stack(list(pool.map(rings, range(layout.n_w))))
+        # (n_w, colours, rings, half, azimuths) -> columns of (azimuths, colours) by slice, ring and half sector
+        pairs = folded(light, _AZIMUTHS).transpose(0, 2, 3, 4, 1)
+        self._light = np.ascontiguousarray(pairs).reshape(*pairs.shape[:3], -1)
+
+    def albedos(self, scales: list[float], depths: list[float]) -> np.ndarray:
+        """``(scales, depths, thetas, azimuths)`` the largest of X, Y and Z relative to white of surfaces so scaled."""
+        r, width = ([each / scale for scale in scales] for each in (self._r, self._width))
+        cells = Cells(r, width, self._count, _THETAS, self._index)
+        found = np.stack([cells.undivided(self._light, self._slices, depth) for depth in depths], axis=1)
+        return np.maximum(found.reshape(*found.shape[:3], _AZIMUTHS, -1).max(-1), 0.0)

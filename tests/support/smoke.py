@@ -6,7 +6,7 @@ SMOKE = (
     "tests/house/test_manifest.py",
     "tests/house/test_release.py",
     "tests/house/test_versions.py",
-    "tests/precompute/bake/test_scipy_kernels.py",
+    "tests/precompute/test_scipy_kernels.py",
     "tests/precompute/evaluate/test_surface.py",
     "tests/precompute/table/test_table.py",
     "tests/addon/test_register.py",

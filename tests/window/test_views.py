@@ -196,12 +196,17 @@ def test_open_large_shows_the_levelling(surface):
     surface.settle()
     shown = surface.look("[a.spaces.active.image.name for w in bpy.context.window_manager.windows"
                          " for a in w.screen.areas if a.type == 'IMAGE_EDITOR' and a.spaces.active.image]")  # fmt: skip
+    surface.watch(1.0)  # it is fitted once it has been drawn
     surface.shot("40_open_large")
+    room = surface.look("[(s.zoom[0] * s.image.size[0], r.width) for w in bpy.context.window_manager.windows"
+                        " for a in w.screen.areas if a.type == 'IMAGE_EDITOR' for s in [a.spaces.active]"
+                        " for r in a.regions if r.type == 'WINDOW']")  # fmt: skip
     windows = surface.look("len(bpy.context.window_manager.windows)")
     surface.press("diffraction.show_image")  # a second click takes the editor that is there
     assert surface.look("len(bpy.context.window_manager.windows)") == windows
     surface.close_windows()
     assert windows == before + 1 and "Diffraction Levelling" in shown
+    assert all(0.5 * width < picture <= width for picture, width in room) and room
     assert surface.console() == []
 
 

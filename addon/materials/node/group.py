@@ -128,9 +128,9 @@ def build(
         try:
             if implementation == "OSL":
                 _fill_with_osl(tree, stem, source, own)
+                _mask(tree)
             else:
                 _fill_with_nodes(tree, stem, images, layout, albedo_max, fresnel, conserve, own, albedo_free)
-            _mask(tree)
         except Exception:
             if found is None:
                 bpy.data.node_groups.remove(tree)
@@ -144,7 +144,7 @@ def build(
 
 
 def _mask(tree: bpy.types.NodeTree) -> None:
-    """The pigment alone where the mask is 0; a mask of 1 that is not linked costs nothing in Cycles."""
+    """The pigment alone where the mask is 0, as in `nodes_twin.build`; one of 1 that is not linked costs nothing."""
     graph = Graph(tree)
     out: Any = next(node for node in tree.nodes if node.bl_idname == "NodeGroupOutput")
     given = graph.add("NodeGroupInput", label="Mask")

@@ -8,6 +8,7 @@ about a random place of a lamp beside others, or of one that shines unevenly (sp
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import bpy
@@ -30,11 +31,11 @@ _LATTICE = (0.8191725134, 0.6710436067, 0.5497004779)
 #: Inputs of the group beside a lamp's, and outputs.
 _INPUTS = {
     "Position": _VECTOR, "Cone": _FLOAT, "Random": _VECTOR, "Jitter": _VECTOR, "Step": _VECTOR, "Gap": _FLOAT,
-    "Drawn": _VECTOR,
+    "Drawn": _VECTOR, "Drawn Again": _VECTOR,
 }  # fmt: skip
 OUTPUTS = {
     "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Cosine": _FLOAT, "Narrow": _FLOAT,
-    "On": _FLOAT, "Outside": _FLOAT,
+    "On": _FLOAT, "Outside": _FLOAT, "Outside Again": _FLOAT,
 }  # fmt: skip
 
 
@@ -54,7 +55,7 @@ def aimed() -> bpy.types.NodeTree:
 
     Direction to a random point, direction and half-angle of the lobe, what f cos is to be multiplied by, cosine of a
     whole lobe (2 where there is none), whether it is a narrow one, whether there is a lamp, and 1 where the direction
-    ``Drawn`` from the environment is not left to it.
+    ``Drawn`` from the environment is not left to it; the same of another one, ``Drawn Again``.
     """
     tree = new_group("Diffraction lobe of a lamp")
     interface(tree, {name: (kind, None) for name, kind in (lamp_nodes.OUTPUTS | _INPUTS).items()}, OUTPUTS)
@@ -93,16 +94,20 @@ def aimed() -> bpy.types.NodeTree:
     aim = graph.mix(is_narrow, lamp.axis, to)
     whole_cosine = graph.math("COSINE", cone)
     has_whole = graph.product(is_whole, lamp.is_on)
-    drawn = graph.scalar("DOT_PRODUCT", given["Drawn"], lamp.axis)
-    within_whole = graph.product(has_whole, graph.math("GREATER_THAN", drawn, whole_cosine))
-    within_narrow = graph.math("GREATER_THAN", drawn, graph.math("COSINE", radius))
-    within_area = _holds(graph, given["Drawn"], lamp, low, high)
-    within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
+
+    def outside(drawn: Socket) -> Socket:
+        cosine = graph.scalar("DOT_PRODUCT", drawn, lamp.axis)
+        within_whole = graph.product(has_whole, graph.math("GREATER_THAN", cosine, whole_cosine))
+        within_narrow = graph.math("GREATER_THAN", cosine, graph.math("COSINE", radius))
+        within_area = holds(graph, drawn, lamp, low, high)
+        within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
+        return graph.difference(graph.difference(1.0, within_whole), within)
+
     outputs: dict[str, Value] = {
         "To": to, "Aim": aim, "Width": graph.choose(is_narrow, cone, width),
         "Weight": graph.choose(is_narrow, of_whole, omega), "Cosine": graph.choose(has_whole, 2.0, whole_cosine),
         "Narrow": is_narrow, "On": lamp.is_on,
-        "Outside": graph.difference(graph.difference(1.0, within_whole), within),
+        "Outside": outside(given["Drawn"]), "Outside Again": outside(given["Drawn Again"]),
     }  # fmt: skip
     out = graph.add("NodeGroupOutput")
     for name, socket in outputs.items():
@@ -239,7 +244,9 @@ def _stretched(graph: Graph, place: Socket, room: Socket, is_round: Socket, has_
     return graph.product(place, graph.choose(has_spread, by, 1.0))
 
 
-def _holds(graph: Graph, direction: Socket, lamp: Seen, low: list[Socket], high: list[Socket]) -> Socket:
+def holds(
+    graph: Graph, direction: Socket, lamp: Seen, low: Sequence[Value], high: Sequence[Value]
+) -> Socket:  # fmt: skip
     """1 where a direction meets the part of an area lamp that shines here."""
     normal = graph.vector("CROSS_PRODUCT", lamp.u, lamp.v)
     along = graph.scalar("DOT_PRODUCT", direction, normal)

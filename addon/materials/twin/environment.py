@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import bpy
 
@@ -18,6 +19,10 @@ _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 FLAT_SHARE, FLAT_BELOW = 0.1, 0.3
 
 
+#: Scale below which a direction into the environment is one of two; as in ``shaders/diffraction.osl``.
+RESAMPLED_BELOW = 0.95
+
+
 def random_numbers(graph: Graph) -> Socket:
     """A vector of three numbers in [0, 1): a hash of the place on the object, which differs from sample to sample."""
     place = graph.add("ShaderNodeTexCoord").outputs["Object"]
@@ -26,14 +31,47 @@ def random_numbers(graph: Graph) -> Socket:
     return noise.outputs["Color"]
 
 
+def other_numbers(graph: Graph, random: Socket) -> Socket:
+    """Random numbers of a second direction: half of the range away from the first's."""
+    return graph.vector("FRACTION", graph.vector("ADD", random, (0.5, 0.5, 0.0)))
+
+
+def one_of_two(graph: Graph, drawn: Any, again: Any, outside: tuple[Value, Value], xi: Socket) -> tuple[dict, Socket]:
+    """Of two directions one, by what it sends, which stands for the mean of both: what a mirror needs, and a factor.
+
+    Resampled importance sampling (Talbot et al. 2005), as in ``shaders/diffraction.osl``: what is stretched has other
+    densities than those stored.
+
+    Parameters
+    ----------
+    drawn, again
+        Outputs of the group of `draw`.
+    outside
+        Of each, 1 where it is not left to a lamp.
+    xi
+        A random number.
+    """
+    sent = [
+        graph.product(graph.scalar("DOT_PRODUCT", one["RGB"], (0.25, 0.5, 0.25)), one["Finished"])
+        for one in (drawn, again)
+    ]
+    total = graph.sum(*sent)
+    second = graph.math("LESS_THAN", graph.product(xi, total), sent[1])
+    chosen = {name: graph.mix(second, drawn[name], again[name]) for name in ("RGB", "Half")}
+    finished = [graph.product(one["Finished"], each) for one, each in zip((drawn, again), outside, strict=True)]
+    factor = graph.choose(second, *finished)
+    factor = graph.product(factor, graph.quotient(graph.product(total, 0.5), graph.choose(second, *sent)))
+    return chosen, factor
+
+
 def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
-    """Group (random numbers) -> direction, half vector of any length, colour and its factor.
+    """Group (random numbers) -> direction, half vector of any length, colour and its factor, solid angle drawn.
 
     Directions are drawn in proportion to the luminance of f cos, see `precompute.table.importance`; colour times factor
     is f cos over the density. ``Finished`` is the factor with the albedos, ``Special`` is 1 where they count.
     """
     outputs = {"To": _VECTOR, "Half": _VECTOR, "RGB": _VECTOR, "Weight": _FLOAT}
-    outputs |= {"Finished": _FLOAT, "Special": _FLOAT}
+    outputs |= {"Finished": _FLOAT, "Special": _FLOAT, "Solid": _FLOAT}
     surface, given, output = Surface.inside("Environment", parts, {"Random": _VECTOR}, outputs)
     for name, socket in zip(outputs, _draw(surface, image, given["Random"]), strict=True):
         surface.graph.put(output.inputs[name], socket)
@@ -169,8 +207,9 @@ def _drawn(
     h = graph.vector("MULTIPLY_ADD", surface["T"], x, graph.scaled(surface["N"], w))
     h = graph.vector("MULTIPLY_ADD", surface["B"], y, h)
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
+    solid = weight
     w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
-    return to, h, surface.value(square, turn, w, h), weight, *surface.with_albedo(weight, x, y, cos_i)
+    return to, h, surface.value(square, turn, w, h), weight, *surface.with_albedo(weight, x, y, cos_i), solid
 
 
 def _flat(graph: Graph, cos_r: Socket, xi_1: Socket, xi_2: Socket, wr: list[Socket]) -> tuple[Socket, Socket, Socket]:

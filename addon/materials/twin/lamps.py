@@ -9,6 +9,7 @@ import bpy
 
 from ..node import lamp_nodes
 from ..node_graph import Graph, Socket, Value
+from .aimed import holds
 from .seen import seen
 from .surface import Parts, Surface
 
@@ -33,6 +34,15 @@ EEVEE_TOP = 0.8
 
 #: EEVEE's threshold where a scene has no world, and how many times it the world may be.
 SUN_THRESHOLD, WORLD_MARGIN = 10.0, 4.0
+
+
+#: How much wider than the lamp, and by how many radians for a disc, what drawn directions must not show.
+EEVEE_EDGE, EEVEE_BESIDE = 1.2, 0.03
+
+
+def grey_of(graph: Graph, rgb: Socket) -> Socket:
+    """Mean of a colour's channels."""
+    return graph.scalar("DOT_PRODUCT", rgb, (1.0 / 3.0,) * 3)
 
 
 def in_cycles(parts: Parts) -> bpy.types.NodeTree:
@@ -63,7 +73,7 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
         graph.put(node.inputs["Normal"], normal)
         return node.outputs[0]
 
-    grey = graph.scalar("DOT_PRODUCT", rgb, (1.0 / 3.0,) * 3)
+    grey = grey_of(graph, rgb)
     plain = graph.product(plain, weight)
     is_dim = graph.math("LESS_THAN", graph.product(grey, plain), WEIGHT_MIN)
     is_special = graph.math("MAXIMUM", graph.math("MAXIMUM", has_albedo, surface["IsDiffuse"]), is_dim)
@@ -91,10 +101,12 @@ def in_eevee(parts: Parts) -> bpy.types.NodeTree:
     A white GGX lobe about the half vector is turned into the colour that it shows (Shader to RGB), which brings the
     lamp's light and shadow, divided by the lobe's peak and multiplied by f cos at the lamp's middle. A lobe of the
     colour f cos would go through EEVEE's buffers, which hold colours in ten bits from 0 to 8 and one lobe of several
-    at random. The lobe shows the world too, over the solid angle that it covers: directions drawn within it are left to
-    the lamp, so that nothing counts twice.
+    at random. The lobe shows the world too, over the solid angle that it covers: directions ``To`` drawn within it are
+    left to the lamp, so that nothing counts twice, as far as f cos there is that at the lamp's middle. Where it is more
+    (``Drawn``) the rest of it is drawn still, but for what shows the lamp itself: a wide lobe beside a mirror's narrow
+    peak would leave a dark ring.
     """
-    inputs = lamp_nodes.OUTPUTS | {"To": _VECTOR}
+    inputs = lamp_nodes.OUTPUTS | {"To": _VECTOR, "Drawn": _FLOAT}
     surface, given, output = Surface.inside("EEVEE lamp", parts, inputs, {"Colour": _VECTOR, "Outside": _FLOAT})
     graph = surface.graph
     lamp = seen(graph, surface["Position"], given)
@@ -123,8 +135,15 @@ def in_eevee(parts: Parts) -> bpy.types.NodeTree:
     factor = graph.product(gain, solid_angle, spread, lamp.is_on)
     graph.put(output.inputs["Colour"], graph.scaled(graph.vector("MULTIPLY", rgb, light), factor))
     cosine = graph.fused(solid_angle, -0.5 / math.pi, 1.0)
-    within = graph.math("GREATER_THAN", graph.scalar("DOT_PRODUCT", given["To"], lamp.axis), cosine)
-    graph.put(output.inputs["Outside"], graph.difference(1.0, graph.product(within, lamp.is_on)))
+    drawn = graph.scalar("DOT_PRODUCT", given["To"], lamp.axis)
+    within = graph.math("GREATER_THAN", drawn, cosine)
+    here = graph.product(grey_of(graph, rgb), gain)
+    share = graph.math("MINIMUM", graph.quotient(here, given["Drawn"]), 1.0)
+    edge = graph.math("COSINE", graph.fused(lamp.radius, EEVEE_EDGE, EEVEE_BESIDE))
+    beside = (-EEVEE_EDGE,) * 2, (EEVEE_EDGE,) * 2
+    hit = graph.choose(lamp.is_area, graph.math("GREATER_THAN", drawn, edge), holds(graph, given["To"], lamp, *beside))
+    taken = graph.math("MAXIMUM", graph.product(within, share), hit)
+    graph.put(output.inputs["Outside"], graph.difference(1.0, graph.product(taken, lamp.is_on)))
     return graph.tree
 
 

@@ -14,7 +14,7 @@ import bpy
 
 from ....precompute.table import importance, scaled_albedo
 from ....precompute.table.layout import GUARD, GUARD_TOLERANCE, TableLayout
-from ..node_graph import Graph, Socket, interface, new_group
+from ..node_graph import Graph, Socket, Value, interface, new_group
 
 _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 
@@ -43,7 +43,7 @@ def texels(image: bpy.types.Image, size: tuple[int, int], engine: str = "") -> b
         value = _blended(graph, image, size, given["Place"])
     else:
         blended = _blended(graph, image, size, given["Place"])
-        value = graph.mix(given["EEVEE"], _fetch(graph, image, "Linear", given["Place"]), blended)
+        value = graph.mix(given["EEVEE"], _linear(graph, image, given["Place"], given["EEVEE"]), blended)
     graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
     return tree
 
@@ -53,6 +53,17 @@ def _fetch(graph: Graph, image: bpy.types.Image, interpolation: str, place: Sock
     node = graph.add("ShaderNodeTexImage", image=image, interpolation=interpolation, extension="REPEAT")
     graph.put(node.inputs["Vector"], place)
     return node.outputs["Color"]
+
+
+def _linear(graph: Graph, image: bpy.types.Image, place: Socket, in_eevee: Socket) -> Socket:
+    """A linear lookup, which Cycles alone takes.
+
+    EEVEE looks up both and chooses after. Without a GPU, places that differ from pixel to pixel as a random direction's
+    do take it minutes, since it filters all that lies between them: there the place is one for all. Cycles leaves out
+    what is multiplied by 1.
+    """
+    kept: Value = graph.difference(1.0, in_eevee)
+    return _fetch(graph, image, "Linear", graph.vector("MULTIPLY", place, kept))
 
 
 def _blended(graph: Graph, image: bpy.types.Image, sides: tuple[int, int], place: Socket) -> Socket:

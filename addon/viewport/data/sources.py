@@ -179,7 +179,7 @@ def surface(method: str, flags: frozenset[str]) -> Any:
     info.vertex_out(between)
     info.vertex_source(_text("surface_vertex.glsl"))
     info.fragment_source(_text(*_BRDF[method], "lamps.glsl", "sky.glsl", "display.glsl", "surface_fragment.glsl"))
-    return gpu.shader.create_from_info(info)
+    return _made(info)
 
 
 @cache
@@ -202,7 +202,20 @@ def map_of_directions(method: str, flags: frozenset[str] = frozenset(), text: st
     info.vertex_out(between)
     info.vertex_source(_text("map_vertex.glsl"))
     info.fragment_source(text or _text(*_BRDF[method], "map_fragment.glsl"))
-    return gpu.shader.create_from_info(info)
+    return _made(info)
+
+
+def _made(info: Any) -> Any:
+    """A new shader, and another one in force.
+
+    Blender binds a shader only where the one in force is another, by its address: a new one that lies where a freed one
+    lay would draw with the freed one's program.
+    """
+    import gpu
+
+    shader = gpu.shader.create_from_info(info)
+    gpu.shader.from_builtin("UNIFORM_COLOR").bind()
+    return shader
 
 
 def _add_densities(info: Any) -> None:

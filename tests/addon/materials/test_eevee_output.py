@@ -14,8 +14,8 @@ def made(blender, tmp_path):
 
 
 def reached(socket):
-    """How many nodes lead to a socket, those of groups too."""
-    seen, todo, count = set(), [socket], 0
+    """The nodes that lead to a socket, those of groups too."""
+    seen, todo, found = set(), [socket], []
     while todo:
         for link in todo.pop().links:
             node, source = link.from_node, link.from_socket
@@ -24,13 +24,13 @@ def reached(socket):
                     continue
                 seen.add((node, source.identifier))
                 end = next(n for n in node.node_tree.nodes if n.bl_idname == "NodeGroupOutput")
-                count += reached(end.inputs[source.name])
+                found += reached(end.inputs[source.name])
             elif node in seen:
                 continue
             seen.add(node)
-            count += 1
+            found.append(node)
             todo += node.inputs
-    return count
+    return found
 
 
 def of_eevee(tree):
@@ -42,7 +42,23 @@ def test_eevee_sees_a_small_part_of_the_nodes(made):
     eevee, cycles = (tree.get_output_node(name).inputs["Surface"] for name in ("EEVEE", "CYCLES"))
     assert eevee.links[0].from_socket.name == "EEVEE"
     assert cycles.links[0].from_socket.name == "BSDF"
-    assert 100 < reached(eevee) < 0.3 * reached(cycles)
+    assert 100 < len(reached(eevee)) < 0.3 * len(reached(cycles))
+
+
+def test_linear_lookups_stand_still_in_eevee(made):
+    """EEVEE looks up both ways and drops one; filtered between random places that takes minutes without a GPU."""
+    nodes = reached(made.node_tree.get_output_node("EEVEE").inputs["Surface"])
+    linear = [n for n in nodes if n.bl_idname == "ShaderNodeTexImage" and n.interpolation == "Linear"]
+    assert linear
+    for node in linear:
+        (place,) = node.inputs["Vector"].links
+        if place.from_node.bl_idname == "ShaderNodeCombineXYZ":  # of a guard, one for all
+            assert not any(socket.is_linked for socket in place.from_node.inputs)
+            continue
+        assert place.from_node.operation == "MULTIPLY"
+        difference = place.from_node.inputs[1].links[0].from_node
+        assert (difference.operation, difference.inputs[0].default_value) == ("SUBTRACT", 1.0)
+        assert difference.inputs[1].links[0].from_socket.name == "EEVEE"
 
 
 def test_the_output_goes_with_the_node(made):

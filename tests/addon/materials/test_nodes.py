@@ -204,6 +204,39 @@ def test_eevee_equals_cycles_for_a_lamp(blender, tmp_path, name):
 
 
 @pytest.mark.slow
+def test_a_wide_lamp_leaves_no_dark_ring_in_eevee(blender, tmp_path):
+    """A mirror shows a white world beside the image of a lamp that hardly shines, though its lobe is much wider."""
+    from precompute.bake import bake
+    from precompute.parameters import BakeParameters
+    from precompute.presets import make_preset
+
+    bake(make_preset("flat", 16e-6, 180), BakeParameters(sigma_s_m=2e-6, detail=0.5)).save(tmp_path / "t.exr")
+    sphere = scenes.add_sphere(segments=128, rings=64)
+    scenes.add_camera((0.0, 0.0, 1.0))
+    white_world()
+    place = np.array((1.6, -1.2, 2.6))
+    lamp = add_lamp("AREA", tuple(place), energy=1e-6, shape="SQUARE", size=0.6)
+    materials.diffracting(sphere, tmp_path / "t.exr", implementation="NODES", fresnel="NONE")
+    scene = bpy.context.scene
+    scene.render.engine = "BLENDER_EEVEE"
+    scene.eevee.taa_render_samples = 12
+    found = []
+    for strength in (1e-6, 0.0):
+        lamp.hide_render = strength == 0.0
+        bpy.context.view_layer.update()
+        found.append(scenes.render(32)[..., 1])
+    hit, points, _, _, n = scenes.sphere_frames(sphere, 32)
+    to_lamp = place - points
+    to_lamp /= np.linalg.norm(to_lamp, axis=-1, keepdims=True)
+    mirrored = 2.0 * n[..., 2:] * n - np.array((0.0, 0.0, 1.0))
+    away = np.arccos(np.clip((mirrored * to_lamp).sum(-1), -1.0, 1.0))
+    ring = hit & (away > 0.25) & (away < 0.4) & (n[..., 2] > 0.5)
+    assert ring.sum() > 10
+    with_lamp, without = found
+    assert np.percentile(with_lamp[ring] / without[ring], 10) > 0.75
+
+
+@pytest.mark.slow
 def test_eevee_takes_four_suns_apart(blender, tmp_path):
     """As many as it reads, 25 degrees and more from one another; those of ten degrees see 4 percent of each other."""
     suns = [(0.1, 0.1, 1), (-0.5, 0.2, 0.9), (0.4, -0.6, 0.7), (0.4, 0.5, 0.8)]

@@ -13,6 +13,7 @@ from precompute.presets import make_preset
 from precompute.stack import parse_stack
 from precompute.table.table import SpectralTable
 from tests.support.blender import materials, scenes
+from tests.support.blender.lamps import add_lamp
 from tests.support.blender.sphere_truth import expected
 from tests.support.blender.worlds import white_world
 from tests.support.compare import assert_images_agree
@@ -93,24 +94,47 @@ def painted_plane(path, implementation, maps):
     return made
 
 
-@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
-def test_painted_pixels_are_each_their_own_surface(blender, foil, implementation):
-    table, path = foil
-    maps = np.random.default_rng(4).uniform(0.3, 1.1, (12, 12, 2))
+def painted_and_truth(table, path, implementation, count, render):
+    """A picture of a plane of which each pixel has a Scale and a Depth of its own, what numpy says, what counts."""
+    maps = np.random.default_rng(4).uniform(0.3, 1.1, (count, count, 2))
     view = (0.0, 0.0, 1.0)
     scenes.add_sun(SUN)
     scenes.add_camera(view, extent=2.0)
     painted_plane(path, implementation, maps)
-    image = scenes.render(12)[::-1, ::-1]  # a camera straight above looks with the picture's top down
+    image = render(count)[::-1, ::-1]  # a camera straight above looks with the picture's top down
     wi = np.array(SUN) / np.linalg.norm(SUN)
     truth = np.zeros_like(image)
-    for place in np.ndindex(12, 12):
+    for place in np.ndindex(count, count):
         one = ScaledTable(table, *maps[place])
         f_cos = radiance.f_cos_xyz(one, wi, np.array(view))
         truth[place] = radiance.gamut_step(f_cos[None], xyz_to_rgb_matrix())[0]
-    good = (truth.mean(-1) > 1e-3) & ~np.eye(12, dtype=bool)  # rays meet the seam of the square's triangles there
+    good = (truth.mean(-1) > 1e-3) & ~np.eye(count, dtype=bool)  # rays meet the seam of the square's triangles there
+    return image, truth, good
+
+
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_painted_pixels_are_each_their_own_surface(blender, foil, implementation):
+    image, truth, good = painted_and_truth(*foil, implementation, 12, scenes.render)
     assert good.sum() > 30
     assert_images_agree(image, truth, 0.01, where=good, name=f"painted_{implementation}")
+
+
+@pytest.mark.slow
+def test_eevee_paints_each_pixel_as_its_own_surface(blender, foil):
+    """Scale from 0.3 to 1.1 and Depth likewise, the rim of the table among them."""
+    from diffraction_shader.addon.versions import EEVEE
+
+    def render(count):
+        scene = bpy.context.scene
+        scene.render.engine = EEVEE
+        scene.eevee.taa_render_samples = 1
+        return scenes.render(count, centred=True)
+
+    image, truth, good = painted_and_truth(*foil, "NODES", 24, render)
+    assert good.sum() > 120
+    errors = np.abs(image - truth).sum(-1)[good] / truth.sum(-1)[good]
+    print("EEVEE against numpy, percentiles 50, 90, 98:", np.percentile(errors, (50, 90, 98)))
+    assert_images_agree(image, truth, 0.02, 97.0, where=good, name="painted_EEVEE")
 
 
 def furnace(path, implementation, wr, scale, depth, samples, **settings):
@@ -136,6 +160,26 @@ def test_a_white_furnace_equals_the_quadrature(blender, foil, implementation, sc
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_a_lamp_in_a_world_counts_once_on_a_stretched_surface(blender, foil, implementation):
+    """Both directions that one is taken of are left to the lamp where they meet it: lamp and world apart add up."""
+    _, path = foil
+    found = {}
+    for name in ("lamp", "world", "both"):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        if name != "lamp":
+            white_world()
+        plane = scenes.add_plane(half=1.0)
+        if name != "world":
+            add_lamp("AREA", (0.5, 0.9, 2.0), energy=60.0, shape="DISK", size=0.9)
+        scenes.add_camera((0.1, 0.2, 1.0), extent=0.2)
+        made = materials.diffracting(plane, path, implementation, fresnel="NONE")
+        node_of(made).inputs["Scale"].default_value = 0.7
+        found[name] = scenes.render(16, 144).mean((0, 1))
+    assert found["lamp"].min() > 0.1
+    assert found["both"] == pytest.approx(found["lamp"] + found["world"], rel=0.02)
+
+
 @pytest.mark.parametrize("implementation", ["OSL", "NODES"])
 def test_raw_model_in_a_furnace_equals_the_quadrature(blender, foil, implementation):
     table, path = foil

@@ -4,8 +4,10 @@
 import numpy as np
 import pytest
 
+from precompute.bake import transforms
 from precompute.bake.intensity import PolarIntensity
 from precompute.bake.transforms import Axis
+from precompute.bake.window import window_axis
 from precompute.constants import KAPPA_MAX
 from precompute.scan.heightfield import HeightField
 
@@ -69,3 +71,53 @@ def test_polar_points_lie_along_rays():
     expected = np.exp(-((2.0 * np.pi * frequencies * sigma_s) ** 2))
     # The taper takes a little of the Gaussian's wings.
     assert found[..., 0] / found[:, :1, 0] == pytest.approx(np.tile(expected, (3, 1)), abs=0.02)
+
+
+def test_opposite_angles_follow():
+    """With the same weights: all the way out, where the grid ends, too."""
+    field = HeightField(np.random.default_rng(4).normal(0.0, 50e-9, (120, 90)), 60e-9, 70e-9)
+    polar = PolarIntensity(field, 0.6e-6, "average")
+    coefficients, angles = polar.coefficients(np.array([0.3, 0.8]) * KAPPA_MAX), np.array([0.0, 0.3, 1.5, 2.9])
+    found = polar.polar(coefficients, angles, opposite=True)
+    expected = polar.polar(coefficients, np.concatenate([angles, angles + np.pi]))
+    assert found == pytest.approx(expected, rel=1e-4, abs=1e-6 * float(expected.max()))
+
+
+def test_lags_that_wrap_around_hardly_count(monkeypatch):
+    """Transforms that are shorter than the patch and its lags give the same intensities, the taper's rim being dim."""
+    heights = np.random.default_rng(9).normal(0.0, 60e-9, (300, 340))
+    field = HeightField(heights, 60e-9, 55e-9)
+    angles, kappa = np.linspace(0.0, 6.0, 13), np.array([0.7 * KAPPA_MAX])
+
+    def seen():
+        polar = PolarIntensity(field, 1.7e-6, "average")
+        return polar, polar.polar(polar.coefficients(kappa), angles)
+
+    short, found = seen()
+    monkeypatch.setattr(transforms, "WRAPPED", 0.0)
+    long, expected = seen()
+    monkeypatch.setattr(transforms, "WRAPPED", 1e-3)
+    _, too_short = seen()
+    assert short.x.padded <= 0.9 * long.x.padded
+    assert short.y.padded <= 0.9 * long.y.padded
+    # What is left is where the square of lags ends, which falls on other lags.
+    error, more = (np.median(np.abs(each / expected - 1.0)) for each in (found, too_short))
+    assert error < 1.5e-4
+    assert more > 3.0 * error
+
+
+@pytest.mark.parametrize("ensemble", ["average", "single", "periodic"])
+def test_the_least_period_keeps_what_may_wrap_around_below_the_limit(ensemble):
+    count, cut, step, sigma_s = 200, 130, 50e-9, 1e-6
+    window = window_axis(count, step, sigma_s, ensemble)
+    own = np.append(np.correlate(window, window, "full")[count - 1 :], np.zeros(2 * count))
+    smoothed = ensemble == "average"
+    weights = np.exp(-((np.arange(cut + 1) * step / sigma_s) ** 2) / 4.0) if smoothed else np.ones(cut + 1)
+
+    def wrapped(period):
+        return (own[period - np.arange(cut + 1)] * weights).max() / own[0]
+
+    least = transforms.least_period(window, cut, step, sigma_s, smoothed)
+    assert wrapped(least) <= transforms.WRAPPED
+    assert least == count + cut + 1 if ensemble == "periodic" else least < count + cut
+    assert wrapped(max(least - 3, count)) > transforms.WRAPPED or least <= count + 1

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Presets have the dimensions that they promise."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -173,6 +175,16 @@ def test_brushed_metal_is_rough_across_and_smooth_along():
     across = np.diff(field.heights, axis=1).std() / field.dx
     along = np.diff(field.heights, axis=0).std() / field.dy
     assert across > 20 * along
+
+
+def test_grooves_of_one_grain_stand_at_their_distance():
+    """Beside the scratches a band about one period, with the variance asked for; without height nothing changes."""
+    one = {"scratch_length_um": 6.0, "edges_um": 1.2}  # many grains on the patch
+    plain, grooved = (make_preset("brushed_metal", **one, edges_rms_nm=rms) for rms in (0.0, 50.0))
+    np.testing.assert_array_equal(plain.heights, make_preset("brushed_metal", scratch_length_um=6.0).heights)
+    waves = replace(grooved, heights=grooved.heights - plain.heights)
+    assert 1 / strongest(waves, low=0.3)[0] == pytest.approx(1.2, rel=0.1)
+    assert waves.heights.std() == pytest.approx(50e-9, rel=0.15)
 
 
 def test_morpho_ridges_stand_at_their_distance():

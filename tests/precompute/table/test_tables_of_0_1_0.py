@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from precompute.bake import bake
+from precompute.bake import bake, balance
 from precompute.parameters import BakeParameters
 from precompute.presets import make_preset
 from precompute.table import SpectralTable
@@ -30,9 +30,13 @@ def bakes():
     """What 0.1.0 took down, and the same of today's code."""
 
     def bake_as_then(*given):
-        """Slices and albedos; what format 2 put above them is not of 0.1.0, which asked for no error of lookups."""
+        """Slices and albedos; what format 2 put above them is not of 0.1.0, which asked for no error of lookups, and
+        balanced slice 1 for straight lookups on either side, where those below it follow 1 / |w| since.
+        """
         scan, parameters = given
-        table = bake(scan, replace(parameters, error=1.0))
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(balance, "_FIRST", 1.0)
+            table = bake(scan, replace(parameters, error=1.0))
         return SimpleNamespace(atlas=table.atlas[: table.layout.albedo_y + table.layout.albedo_height])
 
     return v0_1_0.recorded("bakes"), SCRIPT.bake_all(bake_as_then, make_preset, BakeParameters)

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from precompute.bake import scipy_kernels as k
+from precompute import scipy_kernels as k
 
-ROOT = Path(__file__).resolve().parents[3]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture(params=["extension", "public"])
@@ -72,6 +72,36 @@ def test_sparse_product(kernels):
     dense = random.normal(size=(50, 5)).astype(np.float32)
     expected = np.einsum("ij,ijk->ik", weights.astype(float), dense[indices].astype(float))
     assert np.abs(kernels.sparse_product(indices, weights, dense) - expected).max() < 1e-5
+
+
+def test_rows_of_any_number_of_terms(kernels):
+    random = np.random.default_rng(8)
+    pointers = np.array([0, 3, 3, 10, 12], np.int32)
+    indices, weights = random.integers(0, 9, 12).astype(np.int32), random.normal(size=12).astype(np.float32)
+    dense = random.normal(size=(9, 4)).astype(np.float32)
+    rows = np.repeat(np.arange(4), np.diff(pointers))
+    expected = np.zeros((4, 4))
+    np.add.at(expected, rows, weights[:, None] * dense[indices])
+    assert kernels.sparse_product(indices, weights, dense, pointers) == pytest.approx(expected, rel=1e-5, abs=1e-6)
+
+
+def test_spread_product(kernels):
+    random = np.random.default_rng(10)
+    indices = random.integers(0, 9, (30, 4)).astype(np.int32)
+    weights, dense = (random.normal(size=(30, k)).astype(np.float32) for k in (4, 6))
+    expected = np.zeros((9, 6))
+    np.add.at(expected, indices, weights[:, :, None] * dense[:, None, :])
+    assert kernels.spread_product(indices, weights, dense, 9) == pytest.approx(expected, rel=1e-5, abs=1e-5)
+
+
+def test_scattered(kernels):
+    """Weights for one place are added up."""
+    random = np.random.default_rng(9)
+    indices = random.integers(0, 7, (5, 12)).astype(np.int32)
+    weights = random.normal(size=(5, 12)).astype(np.float32)
+    expected = np.zeros((5, 7))
+    np.add.at(expected, (np.arange(5)[:, None], indices), weights)
+    assert kernels.scattered(indices, weights, 7) == pytest.approx(expected, rel=1e-5, abs=1e-6)
 
 
 PROGRAM = """

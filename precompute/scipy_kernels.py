@@ -49,20 +49,86 @@ def real_inverse(a: np.ndarray, axis: int, out: np.ndarray) -> np.ndarray:
     return _fourier().c2r(a, (axis,), out.shape[axis], False, 0, out, 1)
 
 
-def sparse_product(indices: np.ndarray, weights: np.ndarray, dense: np.ndarray) -> np.ndarray:
-    """``sum_j weights[i, j] dense[indices[i, j]]``, every row with as many terms.
+def sparse_product(
+    indices: np.ndarray,
+    weights: np.ndarray,
+    dense: np.ndarray,
+    pointers: np.ndarray | None = None,
+    out: np.ndarray | None = None,
+) -> np.ndarray:
+    """``sum_j weights[i, j] dense[indices[i, j]]``, every row with as many terms, or as `pointers` say.
+
+    Parameters
+    ----------
+    indices, weights
+        ``(n, m)`` int32 and float32, contiguous; flat with pointers.
+    dense
+        ``(rows, k)`` float32, contiguous.
+    pointers
+        ``(n + 1,)`` int32: the first term of each row, and the end.
+    out
+        ``(n, k)`` float32, contiguous, overwritten; a new array for None.
+
+    Returns
+    -------
+    ndarray
+        ``(n, k)`` float32.
+    """
+    if pointers is None:
+        pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
+    rows = len(pointers) - 1
+    tools = extension(SPARSE)
+    if tools is None:
+        from scipy.sparse import csr_array
+
+        product = csr_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, len(dense))) @ dense
+        if out is None:
+            return product
+        out[...] = product
+        return out
+    if out is None:
+        out = np.zeros((rows, dense.shape[1]), np.float32)
+    else:
+        out[...] = 0.0
+    flat = (weights.reshape(-1), dense.reshape(-1), out.reshape(-1))
+    tools.csr_matvecs(rows, len(dense), dense.shape[1], pointers, indices.reshape(-1), *flat)
+    return out
+
+
+def spread_product(indices: np.ndarray, weights: np.ndarray, dense: np.ndarray, rows: int) -> np.ndarray:
+    """``(rows, k)``: ``weights[i, j] dense[i]`` added up at the rows ``indices[i, j]``.
 
     Parameters
     ----------
     indices, weights
         ``(n, m)`` int32 and float32, contiguous.
     dense
-        ``(rows, k)`` float32, contiguous.
+        ``(n, k)`` float32, contiguous.
+    rows
+        How many.
+    """
+    count, terms = indices.shape
+    pointers = np.arange(0, indices.size + 1, terms, dtype=np.int32)
+    tools = extension(SPARSE)
+    if tools is None:
+        from scipy.sparse import csc_array
 
-    Returns
-    -------
-    ndarray
-        ``(n, k)`` float32.
+        return csc_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, count)) @ dense
+    out = np.zeros((rows, dense.shape[1]), np.float32)
+    flat = (weights.reshape(-1), dense.reshape(-1), out.reshape(-1))
+    tools.csc_matvecs(rows, count, dense.shape[1], pointers, indices.reshape(-1), *flat)
+    return out
+
+
+def scattered(indices: np.ndarray, weights: np.ndarray, columns: int) -> np.ndarray:
+    """``(n, columns)`` zeros with ``weights[i, j]`` added at ``[i, indices[i, j]]``.
+
+    Parameters
+    ----------
+    indices, weights
+        ``(n, m)`` int32 and float32, contiguous.
+    columns
+        How many.
     """
     rows, terms = indices.shape
     pointers = np.arange(0, indices.size + 1, terms, dtype=np.int32)
@@ -70,10 +136,9 @@ def sparse_product(indices: np.ndarray, weights: np.ndarray, dense: np.ndarray) 
     if tools is None:
         from scipy.sparse import csr_array
 
-        return csr_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, len(dense))) @ dense
-    out = np.zeros((rows, dense.shape[1]), np.float32)
-    flat = (weights.reshape(-1), dense.reshape(-1), out.reshape(-1))
-    tools.csr_matvecs(rows, len(dense), dense.shape[1], pointers, indices.reshape(-1), *flat)
+        return csr_array((weights.ravel(), indices.ravel(), pointers), shape=(rows, columns)).toarray()
+    out = np.zeros((rows, columns), np.float32)
+    tools.csr_todense(rows, columns, pointers, indices.reshape(-1), weights.reshape(-1), out)
     return out
 
 
