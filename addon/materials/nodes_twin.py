@@ -146,6 +146,7 @@ def _lamps(
         plain = surface.mixed(is_stretched, plain, _mirror(surface, chosen, factor))
     closure = surface.both(closure, surface.mixed(enabled, None, plain))
     world = lamps.mirror(graph, graph.vector("NORMALIZE", drawn["Half"]), 0.0)
+    world = graph.vector("MINIMUM", world, lamps.most_of_world(graph))
     by_world = graph.scaled(
         graph.vector("MULTIPLY", drawn["RGB"], world), graph.product(drawn["Finished"], outside_in_eevee)
     )

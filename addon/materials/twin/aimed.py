@@ -79,9 +79,11 @@ def aimed() -> bpy.types.NodeTree:
     beyond = graph.product(given["Uneven"], graph.difference(1.0, lamp.is_area))
     shown_width = graph.product(width, is_narrow)
     radius = graph.sum(lamp.radius, graph.product(beyond, shown_width))
-    inset = graph.product(graph.difference(1.0, beyond), shown_width)
+    inset = graph.product(graph.difference(1.0, beyond), is_narrow, NARROW_MIN)
     far = _far(graph, given, lamp, radius, inset, graph.product(width, has_spread), has_spread)
-    to, gain, omega, low, high = far
+    to, gain, omega, low, high, clear = far
+    # Near the edge a lobe as wide would see more than the lamp.
+    width = graph.math("MINIMUM", width, graph.choose(beyond, graph.product(clear, NARROW_MIN), NARROW_MAX))
     is_far = graph.math("GREATER_THAN", graph.product(given["Size"], lamp.is_sun), 2.0 * SMALL_SUN)
     is_far = graph.math("MAXIMUM", is_far, graph.difference(1.0, lamp.is_sun))
     near = graph.scaled(_near(graph, given, lamp), graph.difference(1.0, is_far))
@@ -136,7 +138,7 @@ def _near(graph: Graph, given: Any, lamp: Seen) -> Socket:
 
 def _far(
     graph: Graph, given: Any, lamp: Seen, radius: Socket, inset: Socket, margin: Socket, has_spread: Socket
-) -> tuple[Socket, Socket, Socket, list[Socket], list[Socket]]:
+) -> tuple[Socket, Socket, Socket, list[Socket], list[Socket], Socket]:
     """A random direction to a wide lamp.
 
     Suns and balls stand for the disc that they look like. Points are drawn evenly from the part of the lamp that shines
@@ -153,6 +155,8 @@ def _far(
         Solid angle per probability: that of the part of the lamp that shines, evenly drawn.
     low, high
         The part that shines, along u and along v, in units of them.
+    clear
+        How far the place is from the lamp's edge, in units of `inset`.
     """
     x, y, _ = graph.split(graph.vector("FRACTION", graph.vector("ADD", given["Random"], given["Step"])))
     upright = graph.math("GREATER_THAN", graph.math("ABSOLUTE", graph.split(lamp.axis)[2]), 0.7)
@@ -192,23 +196,29 @@ def _far(
     counts = graph.difference(1.0, graph.product(is_round, has_spread, beyond))
     to = graph.vector("MULTIPLY_ADD", v, at[1], graph.vector("MULTIPLY_ADD", u, at[0], middle))
     square = graph.scalar("DOT_PRODUCT", to, to)
-    nearness = graph.math("POWER", square, -1.5)
 
-    # Places near the edge move to where a lobe, as seen from here, meets nothing else; of lamps thinner than it the
-    # lobes miss a part.
+    # Places near the edge move to where a lobe, as seen from here, meets nothing else, and all a little outwards, which
+    # keeps sums of cubics exact; of lamps thinner than it the lobes miss a part.
     edge = graph.product(inset, graph.quotient(graph.product(square, area), graph.math("MAXIMUM", height, 1e-12)))
     edges = [graph.quotient(edge, length) for length in lengths]
     rooms = [graph.math("MAXIMUM", graph.difference(1.0, each), 1e-6) for each in edges]
-    far_out = [graph.quotient(place, room) for place, room in zip(at, rooms, strict=True)]
+    stretched = [_stretched(graph, place, room, is_round, has_spread) for place, room in zip(at, rooms, strict=True)]
+    far_out = [graph.quotient(place, room) for place, room in zip(stretched, rooms, strict=True)]
     outwards = graph.math("SQRT", graph.fused(far_out[0], far_out[0], graph.product(far_out[1], far_out[1])))
     outwards = graph.math("MAXIMUM", outwards, 1.0)
     kept, covered = [], []
-    for place, room, each in zip(at, rooms, edges, strict=True):
+    for place, room, each in zip(stretched, rooms, edges, strict=True):
         within = graph.math("MAXIMUM", graph.math("MINIMUM", place, room), graph.product(room, -1.0))
         kept.append(graph.choose(is_round, within, graph.quotient(place, outwards)))
         thin = graph.quotient(1.0, graph.math("MAXIMUM", graph.product(each, lamp.is_area), 1.0))
         covered.append(graph.product(thin, graph.fused(graph.product(thin, thin), 1.0 - 4.0 / math.pi, 4.0 / math.pi)))
     to = graph.vector("MULTIPLY_ADD", v, kept[1], graph.vector("MULTIPLY_ADD", u, kept[0], middle))
+    nearness = graph.math("POWER", graph.scalar("DOT_PRODUCT", to, to), -1.5)
+    away = [graph.difference(1.0, graph.math("ABSOLUTE", place)) for place in kept]
+    of_strip = graph.math("MINIMUM", *(graph.quotient(way, each) for way, each in zip(away, edges, strict=True)))
+    of_disc = graph.math("SQRT", graph.fused(kept[0], kept[0], graph.product(kept[1], kept[1])))
+    of_disc = graph.quotient(graph.difference(1.0, of_disc), graph.math("MAXIMUM", *edges))
+    clear = graph.math("MAXIMUM", graph.choose(is_round, of_strip, of_disc), 1.0)
 
     part = graph.sum(graph.product(lamp.is_rectangle, 1.0 / math.sqrt(3.0) - 0.5), 0.5)
     total: Any = None
@@ -222,7 +232,16 @@ def _far(
     omega = graph.product(shape, size[0], size[1], height)
     omega = graph.product(omega, nearness, counts)
     omega = graph.quotient(omega, graph.product(*covered))
-    return graph.vector("NORMALIZE", to), gain, omega, low, high
+    return graph.vector("NORMALIZE", to), gain, omega, low, high, clear
+
+
+def _stretched(graph: Graph, place: Socket, room: Socket, is_round: Socket, has_spread: Socket) -> Socket:
+    """``lamp_stretch`` of ``shaders/lamps.osl``, times a place; what a spread leaves stays as it is."""
+    r2 = graph.product(room, room)
+    of_strip = graph.quotient(graph.product(r2, room, 2.0), graph.math("MAXIMUM", graph.fused(r2, 3.0, -1.0), 0.05))
+    of_disc = graph.quotient(r2, graph.math("SQRT", graph.math("MAXIMUM", graph.fused(r2, 2.0, -1.0), 0.05)))
+    by = graph.math("MAXIMUM", graph.choose(is_round, of_strip, of_disc), 1.0)
+    return graph.product(place, graph.choose(has_spread, by, 1.0))
 
 
 def holds(
