@@ -56,7 +56,8 @@ void main()
 {
 #ifdef LOOSE_DEPTH
     // EEVEE's depth was seen through another point of the pixel: as far towards the viewer as the surface rises there.
-    gl_FragDepth = clamp(gl_FragCoord.z - df_frame.ambient.w * fwidth(gl_FragCoord.z), 0.0, 1.0);
+    float slack = min(DEPTH_SLACK * fwidth(gl_FragCoord.z), df_frame.ambient.w * gl_FragCoord.w);
+    gl_FragDepth = clamp(gl_FragCoord.z - slack, 0.0, 1.0);
 #endif
 #ifdef BOUNDED
     for (int i = 0; i < 6; i++) {

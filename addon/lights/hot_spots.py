@@ -19,6 +19,9 @@ KEY = "diffraction_spots"
 #: Spots of an image at most, and what one has to be: radiance over the mean, part of all light, radius in radians.
 MOST, STANDS_OUT, PART, RADIUS_MAX = 4, 100.0, 0.02, 0.1
 
+#: Radius (rad) of the sun that EEVEE makes of a studio light, and how far from a spot what is bright belongs to it.
+EEVEE_SUN_RADIUS, ABOUT = math.radians(0.526) / 2.0, 0.3
+
 Spot = tuple[float, float, float, float, float]
 
 
@@ -115,6 +118,45 @@ def split(pixels: np.ndarray, spots: list[Spot]) -> tuple[np.ndarray, np.ndarray
         spread = math.sqrt(2.0 * float((power * apart[inside] ** 2).sum() / max(float(power.sum()), 1e-30)))
         suns.append((x, y, z, *(more * size[:, None]).sum(0), min(spread, radius)))
     return rest, np.array(suns, np.float32).reshape(-1, 7)
+
+
+def suns_above(pixels: np.ndarray, suns: np.ndarray, threshold: float) -> np.ndarray:
+    """What EEVEE takes out of a picture as a sun: all that is brighter than a radiance.
+
+    EEVEE makes one sun of it, in its mean direction. Here each spot stays where it is and gets what is bright about it;
+    the rest is one sun.
+
+    Parameters
+    ----------
+    pixels, suns
+        What `split` made of a picture.
+    threshold
+        For the brightest channel: what lies above it is taken out, in its colour.
+
+    Returns
+    -------
+    ndarray
+        ``(n, 7)`` as ``suns``.
+    """
+    height, width, _ = pixels.shape
+    peak = pixels.max(-1)
+    rows, columns = np.nonzero(peak > threshold)
+    size = np.cos(((rows + 0.5) / height - 0.5) * math.pi) * (math.pi / height) * (2.0 * math.pi / width)
+    more = pixels[rows, columns] * ((1.0 - threshold / peak[rows, columns]) * size)[:, None]
+    towards = _directions(rows, columns, height, width)
+    found = np.concatenate([suns, np.zeros((1, 7), np.float32)])
+    found[-1, 6] = EEVEE_SUN_RADIUS
+    near = np.concatenate([towards @ suns[:, :3].T, np.full((len(rows), 1), math.cos(ABOUT))], 1)
+    owner = near.argmax(-1)
+    for number in range(3):
+        found[:, 3 + number] += np.bincount(owner, more[:, number], len(found)).astype(np.float32)
+    rest = owner == len(suns)
+    axis = (towards[rest] * more[rest].mean(-1)[:, None]).sum(0)
+    length = float(np.linalg.norm(axis))
+    if not length > 0.0:
+        return found[:-1]
+    found[-1, :3] = axis / length
+    return found
 
 
 def _region(picture: np.ndarray, row: int, column: int, least: float) -> tuple[np.ndarray, np.ndarray]:

@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 17
+VERSION = 18
 
 
 def build(
@@ -81,8 +81,9 @@ def build(
     surface = Surface(graph, both, shared(graph, given, both, lamp_nodes.matrix(graph, own), knows_directions))
     random = environment.random_numbers(graph)
     drawn = surface.group(draw, Random=random).outputs
+    again = surface.group(draw, Random=environment.other_numbers(graph, random)).outputs if conserve else None
     enabled = graph.product(graph.clamp(given["Environment"], 0.0, 1.0), knows_directions)
-    closure, shown = _lamps(surface, lobe, for_eevee, random, drawn, enabled)
+    closure, shown = _lamps(surface, lobe, for_eevee, random, (drawn, again), enabled)
     cycles = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), closure)
     eevee = surface.both(surface.base(given["Base"], given["LacquerRoughness"]), surface.emitted(shown))
     shaded = surface.mixed(surface["EEVEE"], cycles, eevee)
@@ -104,28 +105,30 @@ def _on_a_surface(graph: Graph) -> Socket:
 
 
 def _lamps(
-    surface: Surface, lobe: bpy.types.NodeTree, for_eevee: bpy.types.NodeTree, random: Socket, drawn: Any,
-    enabled: Socket,
+    surface: Surface, lobe: bpy.types.NodeTree, for_eevee: bpy.types.NodeTree, random: Socket,
+    directions: tuple[Any, Any], enabled: Socket,
 ) -> tuple[Socket, Socket]:  # fmt: skip
     """The closure of all lamps and of the mirror into the environment for Cycles, and their colour in EEVEE.
 
     Cycles knows the scene's list when it compiles: an empty slot leaves no nodes behind.
     """
-    graph = surface.graph
+    graph, (drawn, again) = surface.graph, directions
     closure: Any = None
     shown: Any = None
     outside: Value = 1.0
+    outside_again: Value = 1.0
     outside_in_eevee = enabled
     f_cos = graph.product(lamps.grey_of(graph, drawn["RGB"]), drawn["Finished"])
     f_cos = graph.quotient(f_cos, drawn["Solid"])
     listed = [lamp_nodes.lamp(graph, slot).outputs for slot in range(1, slots.SLOTS + 1)]
-    lobes, taken = _aimed(surface, listed, random, drawn["To"])
+    lobes, taken = _aimed(surface, listed, random, directions)
     chance = graph.product(graph.split(random)[2], lamps.WEIGHT_MIN)
     for slot, (lamp, one) in enumerate(zip(listed, lobes, strict=True), 1):
         given = {name: one[name] for name in ("To", "Aim", "Width", "Weight", "Narrow", "On")}
         lit = surface.group(lobe, **given, Hits=taken[f"Hits {slot}"], Chance=chance).outputs["Lobe"]
         closure = lit if closure is None else surface.both(closure, lit)
         outside = graph.product(outside, one["Outside"])
+        outside_again = graph.product(outside_again, one["Outside Again"])
         if slot <= lamps.EEVEE_LAMPS_MAX:
             sockets: dict[str, Any] = {name: lamp[name] for name in lamp_nodes.OUTPUTS}
             by_eevee = surface.group(for_eevee, **sockets, To=drawn["To"], Drawn=f_cos).outputs
@@ -136,15 +139,23 @@ def _lamps(
         plain = surface.mixed(
             drawn["Special"], plain, _mirror(surface, drawn, graph.product(drawn["Finished"], outside))
         )
+    if again is not None:
+        xi = graph.split(random)[2]
+        chosen, factor = environment.one_of_two(graph, drawn, again, (outside, outside_again), xi)
+        is_stretched = graph.math("LESS_THAN", surface["Scale"], environment.RESAMPLED_BELOW)
+        plain = surface.mixed(is_stretched, plain, _mirror(surface, chosen, factor))
     closure = surface.both(closure, surface.mixed(enabled, None, plain))
     world = lamps.mirror(graph, graph.vector("NORMALIZE", drawn["Half"]), 0.0)
+    world = graph.vector("MINIMUM", world, lamps.most_of_world(graph))
     by_world = graph.scaled(
         graph.vector("MULTIPLY", drawn["RGB"], world), graph.product(drawn["Finished"], outside_in_eevee)
     )
     return closure, graph.vector("ADD", shown, by_world)
 
 
-def _aimed(surface: Surface, listed: list[Any], random: Socket, drawn: Socket) -> tuple[list[Any], Any]:
+def _aimed(
+    surface: Surface, listed: list[Any], random: Socket, directions: tuple[Any, Any]
+) -> tuple[list[Any], Any]:  # fmt: skip
     """Outputs of `aimed.aimed` for each slot, and those of `seen.hits`."""
     graph, position = surface.graph, surface["Position"]
     jitter, place, lobe = aimed.jitter(graph, random), seen.place(), aimed.aimed()
@@ -155,7 +166,8 @@ def _aimed(surface: Surface, listed: list[Any], random: Socket, drawn: Socket) -
     gaps = graph.group(seen.gaps(), **named, **edges).outputs
     lobes = []
     for slot, one in enumerate(each, 1):
-        more: dict[str, Any] = {"Random": random, "Jitter": jitter, "Step": aimed.step(slot), "Drawn": drawn}
+        more: dict[str, Any] = {"Random": random, "Jitter": jitter, "Step": aimed.step(slot)}
+        more |= {name: one["To"] for name, one in zip(("Drawn", "Drawn Again"), directions, strict=True) if one}
         lobes.append(graph.group(lobe, **one, **more, Cone=surface["Cone"], Gap=gaps[f"Gap {slot}"]).outputs)
     for slot, aim in enumerate(lobes, 1):
         named |= {f"Aim {slot}": aim["Aim"], f"Cosine {slot}": aim["Cosine"]}

@@ -183,11 +183,16 @@ class Renderer:
             return 0
         try:
             skips = skips_nodes and view.surface == "ADD"
-            listing = self._listing(depsgraph, visible, list_key, skips)
+            listing = self._listing(depsgraph, visible, list_key, "OTHERS" if skips else "ALL")
             count = self._draw(
                 listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around,
                 moved, gathers,
             )  # fmt: skip
+            if skips and around is not None and around.sky is not None and around.sun_above > 0.0:
+                nodes = self._listing(depsgraph, visible, list_key, "NODES")
+                count += self._draw_suns(
+                    nodes, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around
+                )
         except DiffractionError as error:
             self._fail(attempt, str(error))
             return 0
@@ -208,6 +213,8 @@ class Renderer:
         view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
         moved: tuple[float, float], gathers: Hashable | None,
     ) -> int:  # fmt: skip
+        import gpu
+
         self.message = ""
         if not listing.items:
             return 0
@@ -224,6 +231,7 @@ class Renderer:
         frame = blocks.Frame(
             view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
             clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None, moved=moved,
+            width=gpu.state.viewport_get()[2],
         )  # fmt: skip
         # What shines through adds up, of which a mean of what lies in front knows nothing.
         mean = None
@@ -239,6 +247,34 @@ class Renderer:
         with _state("NONE" if view.surface == "REPLACE" else "ADDITIVE", writes_depth=False):
             uniform = self._uniform(("frame",), frame.rows())
             drawn, _ = self._draw_items(listing, view, shared, uniform, lights, display, wait=not through_display)
+        return drawn
+
+    def _draw_suns(
+        self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
+        view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings,
+    ) -> int:  # fmt: skip
+        """Add to materials that EEVEE shows what it takes out of a studio light as a sun."""
+        import gpu
+
+        lit = self.skies.get(around.sky, wait=not through_display) if listing.items and around.sky is not None else None
+        if lit is None or around.sky is None:
+            return 0
+        rows = lamps.sun_rows(lit.suns_above(around.sun_above), around.sky)
+        if not len(rows):
+            return 0
+        frame = blocks.Frame(
+            view_matrix, projection, rows, view.points, through_display,
+            depsgraph.scene.original.view_settings.exposure, clip=asks.clip, border=asks.border,
+            width=gpu.state.viewport_get()[2],
+        )  # fmt: skip
+        shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
+        display = self.display.texture(depsgraph.scene.original) if through_display else None
+        view = replace(view, brightness=view.brightness * asks.see_through)
+        with _state("ADDITIVE", writes_depth=False):
+            uniform = self._uniform(("sun",), frame.rows())
+            drawn, _ = self._draw_items(
+                listing, view, shared, uniform, _Lights(False, None), display, wait=not through_display
+            )
         return drawn
 
     def _gathered(
@@ -370,14 +406,17 @@ class Renderer:
         self._uniforms[key] = held
         return held[1]
 
-    def _listing(self, depsgraph: bpy.types.Depsgraph, visible: Any, list_key: Hashable, skips_nodes: bool) -> _Listing:
+    def _listing(self, depsgraph: bpy.types.Depsgraph, visible: Any, list_key: Hashable, which: str) -> _Listing:
+        """What there is to draw of ``ALL`` materials, those of ``NODES``, or the ``OTHERS``."""
         scene = depsgraph.scene.original
-        key = (scene.session_uid, depsgraph.view_layer.name, list_key, skips_nodes)
+        key = (scene.session_uid, depsgraph.view_layer.name, list_key, which)
         version = self.version
         listing = self._listings.get(key)
         if listing is None or listing.version != version:
             self._forget()
-            found, made = items.gather(depsgraph, self.meshes, visible, lambda m: not (skips_nodes and _is_of_nodes(m)))
+            found, made = items.gather(
+                depsgraph, self.meshes, visible, lambda m: which == "ALL" or (which == "NODES") == _is_of_nodes(m)
+            )
             middle = found[len(found) // 2].matrix.translation if found else None
             rows = lamps.scene_rows(depsgraph, visible, made, middle) if found else np.zeros((0, 6, 4), np.float32)
             listing = self._listings[key] = _Listing(version, found, rows)

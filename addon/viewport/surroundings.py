@@ -28,11 +28,19 @@ class Surroundings:
         An image all around; None where there is none.
     lamps
         Whether the scene's lamps shine in this view.
+    sun_above
+        Radiance above which EEVEE takes light out of the image and gives it to a sun, of which no list of lamps knows;
+        0 where it does not.
     """
 
     ambient: tuple[float, float, float] = (0.0, 0.0, 0.0)
     sky: Sky | None = None
     lamps: bool = True
+    sun_above: float = 0.0
+
+
+#: What EEVEE takes where there is no world: the default of worlds.
+_SUN_ABOVE = 10.0
 
 
 def of_shading(scene: bpy.types.Scene, shading: bpy.types.View3DShading | None) -> Surroundings:
@@ -45,7 +53,9 @@ def of_shading(scene: bpy.types.Scene, shading: bpy.types.View3DShading | None) 
     if by_world:
         world = of_world(scene.world)
         return Surroundings(world.ambient, world.sky, lamps)
-    return Surroundings(sky=studio(shading), lamps=lamps)
+    # The studio light has the threshold of the scene's world.
+    above = float(getattr(scene.world, "sun_threshold", _SUN_ABOVE))
+    return Surroundings(sky=studio(shading), lamps=lamps, sun_above=above)
 
 
 def studio(shading: bpy.types.View3DShading) -> Sky | None:

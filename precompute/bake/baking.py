@@ -312,7 +312,8 @@ def _bake(
     stages.done("transforms")
 
     stuff = None if stack is None else Reflectance(stack, wavelengths, parameters.lacquer, index)
-    with threadpool_limits(1, user_api="blas"):
+    with ThreadPoolExecutor(1) as beside, threadpool_limits(1, user_api="blas"):
+        key = beside.submit(table_key, scan, parameters)  # the choice of nodes leaves a processor free
         layout, reached = refine(
             polar,
             coefficients,
@@ -398,7 +399,7 @@ def _bake(
         "share_lost": lost_share(albedo),
     }
     info = {
-        "key": table_key(scan, parameters),
+        "key": key.result(),
         "parameters": {**parameters.to_dict(), "sigma_s_m": sigma_s},
         "source": {
             **origin(scan),
@@ -466,7 +467,7 @@ def _integrate(
         seen = [polar.polar(coefficients, layout.angles[block], each, opposite=True) for each in total.grids]
         both = [block, slice(block.start + half, block.stop + half)]
         if flat is not None:
-            total.apply(seen, [flat[..., each] for each in both])
+            total.apply_into(seen, [flat[..., each] for each in both])
         found = []
         for each, first in zip(both, (0, len(seen[0]) // 2), strict=True):
             low, share = sector_shares(layout, each.start, each.stop)

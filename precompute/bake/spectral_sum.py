@@ -34,6 +34,9 @@ RADIAL_STEP = 0.4
 #: Largest error that a step twice as wide may leave in any lag of the intensities, relative to the whole light.
 _COARSE_ERROR = 5e-4
 
+#: Radii whose matrices a thread makes at a time.
+_RADII_A_TIME = 8
+
 
 class Reflectance:
     """R(lambda, theta_half) of a stack as the table's coordinates see it.
@@ -161,9 +164,10 @@ class SpectralSum:
 
         #: Grid, first value of a line of it, and matrix ``(n_w * 3, (f, n))`` of each radius, in column order.
         self.matrices: list[tuple[int, int, np.ndarray]] = []
+        parts = [range(len(radii))[start : start + _RADII_A_TIME] for start in range(0, len(radii), _RADII_A_TIME)]
         with ThreadPoolExecutor(workers()) as pool:
-            for made in pool.map(matrix, range(len(radii))):
-                self.matrices.append(made)
+            for made in pool.map(lambda part: [matrix(index) for index in part], parts):
+                self.matrices += made
                 if progress is not None:
                     progress(len(self.matrices) / len(radii))
 
@@ -181,26 +185,28 @@ class SpectralSum:
             factors = (by_slice * seen.T[:, None, :, None]).reshape(factors.shape)
         return low, spread_product(places, taps, factors, high - low)
 
-    def apply(self, intensities: Sequence[np.ndarray], out: Sequence[np.ndarray] | None = None) -> np.ndarray | None:
+    def apply(self, intensities: Sequence[np.ndarray]) -> np.ndarray:
         """Integrate a block of angles.
 
         Parameters
         ----------
         intensities
             ``(m, n_f, n)`` float32 for each of `grids`, S = lambda^2 T, m^2.
-        out
-            Arrays ``(n_r, n_w * 3, part of m)`` float32 that take the angles in order; a new one for None.
 
         Returns
         -------
         ndarray
-            ``(n_r, n_w, 3, m)`` float32, T in XYZ, 1/sr; None where ``out`` was given.
+            ``(n_r, n_w, 3, m)`` float32, T in XYZ, 1/sr.
         """
+        out = np.empty((len(self.matrices), self.n_w * 3, len(intensities[0])), np.float32)
+        self.apply_into(intensities, [out])
+        return out.reshape(len(out), self.n_w, 3, -1)
+
+    def apply_into(self, intensities: Sequence[np.ndarray], out: Sequence[np.ndarray]) -> None:
+        """The same, into arrays ``(n_r, n_w * 3, part of m)`` that take the angles in order."""
         lines = [each.reshape(len(each), -1) for each in intensities]
-        count = len(lines[0])
-        new = np.empty((len(self.matrices), self.n_w * 3, count), np.float32) if out is None else None
         targets, start = [], 0
-        for each in [new] if new is not None else out or ():
+        for each in out:
             targets.append((slice(start, start + each.shape[-1]), each))
             start += each.shape[-1]
         for index, (grid, first, matrix) in enumerate(self.matrices):
@@ -208,7 +214,6 @@ class SpectralSum:
                 values = lines[grid][angles, first : first + matrix.shape[1]]
                 np.matmul(matrix, values.T, out=target[index])
                 np.maximum(target[index], 0.0, out=target[index])
-        return None if new is None else new.reshape(len(new), self.n_w, 3, count)
 
 
 def coarse_from(

@@ -146,9 +146,9 @@ class Cells:
         key += (cosine * np.float32(_LEVELS - 1)).astype(np.uint16)
         # Viewer by viewer, and by what light is divided by: which depends on its polar angle.
         order = np.argsort(key, kind="stable")
-        self._key, of_theta, rho, inside, ring, alpha = (
-            x.take(order) for x in (key, of_theta, rho, inside, ring, alpha)
-        )
+        self._key = key.take(order)
+        rho, inside = (x.take(order) for x in (rho, inside))
+        of_theta, ring, alpha = (x.take(order) for x in (of_theta, ring, alpha))
         #: Among (rings, half the sectors) of the surface as it is not scaled.
         self._place = local.take(ring) * np.int32(half) + alpha
         self._level = (scale * np.int32(_LEVELS)).take(ring) + (self._key & np.uint16(_LEVELS - 1))

@@ -31,11 +31,11 @@ _LATTICE = (0.8191725134, 0.6710436067, 0.5497004779)
 #: Inputs of the group beside a lamp's, and outputs.
 _INPUTS = {
     "Position": _VECTOR, "Cone": _FLOAT, "Random": _VECTOR, "Jitter": _VECTOR, "Step": _VECTOR, "Gap": _FLOAT,
-    "Drawn": _VECTOR,
+    "Drawn": _VECTOR, "Drawn Again": _VECTOR,
 }  # fmt: skip
 OUTPUTS = {
     "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Cosine": _FLOAT, "Narrow": _FLOAT,
-    "On": _FLOAT, "Outside": _FLOAT,
+    "On": _FLOAT, "Outside": _FLOAT, "Outside Again": _FLOAT,
 }  # fmt: skip
 
 
@@ -55,7 +55,7 @@ def aimed() -> bpy.types.NodeTree:
 
     Direction to a random point, direction and half-angle of the lobe, what f cos is to be multiplied by, cosine of a
     whole lobe (2 where there is none), whether it is a narrow one, whether there is a lamp, and 1 where the direction
-    ``Drawn`` from the environment is not left to it.
+    ``Drawn`` from the environment is not left to it; the same of another one, ``Drawn Again``.
     """
     tree = new_group("Diffraction lobe of a lamp")
     interface(tree, {name: (kind, None) for name, kind in (lamp_nodes.OUTPUTS | _INPUTS).items()}, OUTPUTS)
@@ -79,9 +79,11 @@ def aimed() -> bpy.types.NodeTree:
     beyond = graph.product(given["Uneven"], graph.difference(1.0, lamp.is_area))
     shown_width = graph.product(width, is_narrow)
     radius = graph.sum(lamp.radius, graph.product(beyond, shown_width))
-    inset = graph.product(graph.difference(1.0, beyond), shown_width)
+    inset = graph.product(graph.difference(1.0, beyond), is_narrow, NARROW_MIN)
     far = _far(graph, given, lamp, radius, inset, graph.product(width, has_spread), has_spread)
-    to, gain, omega, low, high = far
+    to, gain, omega, low, high, clear = far
+    # Near the edge a lobe as wide would see more than the lamp.
+    width = graph.math("MINIMUM", width, graph.choose(beyond, graph.product(clear, NARROW_MIN), NARROW_MAX))
     is_far = graph.math("GREATER_THAN", graph.product(given["Size"], lamp.is_sun), 2.0 * SMALL_SUN)
     is_far = graph.math("MAXIMUM", is_far, graph.difference(1.0, lamp.is_sun))
     near = graph.scaled(_near(graph, given, lamp), graph.difference(1.0, is_far))
@@ -92,16 +94,20 @@ def aimed() -> bpy.types.NodeTree:
     aim = graph.mix(is_narrow, lamp.axis, to)
     whole_cosine = graph.math("COSINE", cone)
     has_whole = graph.product(is_whole, lamp.is_on)
-    drawn = graph.scalar("DOT_PRODUCT", given["Drawn"], lamp.axis)
-    within_whole = graph.product(has_whole, graph.math("GREATER_THAN", drawn, whole_cosine))
-    within_narrow = graph.math("GREATER_THAN", drawn, graph.math("COSINE", radius))
-    within_area = holds(graph, given["Drawn"], lamp, low, high)
-    within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
+
+    def outside(drawn: Socket) -> Socket:
+        cosine = graph.scalar("DOT_PRODUCT", drawn, lamp.axis)
+        within_whole = graph.product(has_whole, graph.math("GREATER_THAN", cosine, whole_cosine))
+        within_narrow = graph.math("GREATER_THAN", cosine, graph.math("COSINE", radius))
+        within_area = holds(graph, drawn, lamp, low, high)
+        within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
+        return graph.difference(graph.difference(1.0, within_whole), within)
+
     outputs: dict[str, Value] = {
         "To": to, "Aim": aim, "Width": graph.choose(is_narrow, cone, width),
         "Weight": graph.choose(is_narrow, of_whole, omega), "Cosine": graph.choose(has_whole, 2.0, whole_cosine),
         "Narrow": is_narrow, "On": lamp.is_on,
-        "Outside": graph.difference(graph.difference(1.0, within_whole), within),
+        "Outside": outside(given["Drawn"]), "Outside Again": outside(given["Drawn Again"]),
     }  # fmt: skip
     out = graph.add("NodeGroupOutput")
     for name, socket in outputs.items():
@@ -132,7 +138,7 @@ def _near(graph: Graph, given: Any, lamp: Seen) -> Socket:
 
 def _far(
     graph: Graph, given: Any, lamp: Seen, radius: Socket, inset: Socket, margin: Socket, has_spread: Socket
-) -> tuple[Socket, Socket, Socket, list[Socket], list[Socket]]:
+) -> tuple[Socket, Socket, Socket, list[Socket], list[Socket], Socket]:
     """A random direction to a wide lamp.
 
     Suns and balls stand for the disc that they look like. Points are drawn evenly from the part of the lamp that shines
@@ -149,6 +155,8 @@ def _far(
         Solid angle per probability: that of the part of the lamp that shines, evenly drawn.
     low, high
         The part that shines, along u and along v, in units of them.
+    clear
+        How far the place is from the lamp's edge, in units of `inset`.
     """
     x, y, _ = graph.split(graph.vector("FRACTION", graph.vector("ADD", given["Random"], given["Step"])))
     upright = graph.math("GREATER_THAN", graph.math("ABSOLUTE", graph.split(lamp.axis)[2]), 0.7)
@@ -188,23 +196,29 @@ def _far(
     counts = graph.difference(1.0, graph.product(is_round, has_spread, beyond))
     to = graph.vector("MULTIPLY_ADD", v, at[1], graph.vector("MULTIPLY_ADD", u, at[0], middle))
     square = graph.scalar("DOT_PRODUCT", to, to)
-    nearness = graph.math("POWER", square, -1.5)
 
-    # Places near the edge move to where a lobe, as seen from here, meets nothing else; of lamps thinner than it the
-    # lobes miss a part.
+    # Places near the edge move to where a lobe, as seen from here, meets nothing else, and all a little outwards, which
+    # keeps sums of cubics exact; of lamps thinner than it the lobes miss a part.
     edge = graph.product(inset, graph.quotient(graph.product(square, area), graph.math("MAXIMUM", height, 1e-12)))
     edges = [graph.quotient(edge, length) for length in lengths]
     rooms = [graph.math("MAXIMUM", graph.difference(1.0, each), 1e-6) for each in edges]
-    far_out = [graph.quotient(place, room) for place, room in zip(at, rooms, strict=True)]
+    stretched = [_stretched(graph, place, room, is_round, has_spread) for place, room in zip(at, rooms, strict=True)]
+    far_out = [graph.quotient(place, room) for place, room in zip(stretched, rooms, strict=True)]
     outwards = graph.math("SQRT", graph.fused(far_out[0], far_out[0], graph.product(far_out[1], far_out[1])))
     outwards = graph.math("MAXIMUM", outwards, 1.0)
     kept, covered = [], []
-    for place, room, each in zip(at, rooms, edges, strict=True):
+    for place, room, each in zip(stretched, rooms, edges, strict=True):
         within = graph.math("MAXIMUM", graph.math("MINIMUM", place, room), graph.product(room, -1.0))
         kept.append(graph.choose(is_round, within, graph.quotient(place, outwards)))
         thin = graph.quotient(1.0, graph.math("MAXIMUM", graph.product(each, lamp.is_area), 1.0))
         covered.append(graph.product(thin, graph.fused(graph.product(thin, thin), 1.0 - 4.0 / math.pi, 4.0 / math.pi)))
     to = graph.vector("MULTIPLY_ADD", v, kept[1], graph.vector("MULTIPLY_ADD", u, kept[0], middle))
+    nearness = graph.math("POWER", graph.scalar("DOT_PRODUCT", to, to), -1.5)
+    away = [graph.difference(1.0, graph.math("ABSOLUTE", place)) for place in kept]
+    of_strip = graph.math("MINIMUM", *(graph.quotient(way, each) for way, each in zip(away, edges, strict=True)))
+    of_disc = graph.math("SQRT", graph.fused(kept[0], kept[0], graph.product(kept[1], kept[1])))
+    of_disc = graph.quotient(graph.difference(1.0, of_disc), graph.math("MAXIMUM", *edges))
+    clear = graph.math("MAXIMUM", graph.choose(is_round, of_strip, of_disc), 1.0)
 
     part = graph.sum(graph.product(lamp.is_rectangle, 1.0 / math.sqrt(3.0) - 0.5), 0.5)
     total: Any = None
@@ -218,7 +232,16 @@ def _far(
     omega = graph.product(shape, size[0], size[1], height)
     omega = graph.product(omega, nearness, counts)
     omega = graph.quotient(omega, graph.product(*covered))
-    return graph.vector("NORMALIZE", to), gain, omega, low, high
+    return graph.vector("NORMALIZE", to), gain, omega, low, high, clear
+
+
+def _stretched(graph: Graph, place: Socket, room: Socket, is_round: Socket, has_spread: Socket) -> Socket:
+    """``lamp_stretch`` of ``shaders/lamps.osl``, times a place; what a spread leaves stays as it is."""
+    r2 = graph.product(room, room)
+    of_strip = graph.quotient(graph.product(r2, room, 2.0), graph.math("MAXIMUM", graph.fused(r2, 3.0, -1.0), 0.05))
+    of_disc = graph.quotient(r2, graph.math("SQRT", graph.math("MAXIMUM", graph.fused(r2, 2.0, -1.0), 0.05)))
+    by = graph.math("MAXIMUM", graph.choose(is_round, of_strip, of_disc), 1.0)
+    return graph.product(place, graph.choose(has_spread, by, 1.0))
 
 
 def holds(

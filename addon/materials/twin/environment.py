@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import bpy
 
@@ -18,12 +19,49 @@ _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 FLAT_SHARE, FLAT_BELOW = 0.1, 0.3
 
 
+#: Scale below which a direction into the environment is one of two; as in ``shaders/diffraction.osl``.
+RESAMPLED_BELOW = 0.95
+
+
 def random_numbers(graph: Graph) -> Socket:
     """A vector of three numbers in [0, 1): a hash of the place on the object, which differs from sample to sample."""
     place = graph.add("ShaderNodeTexCoord").outputs["Object"]
     noise = graph.add("ShaderNodeTexWhiteNoise", noise_dimensions="3D")
     graph.put(noise.inputs["Vector"], place)
     return noise.outputs["Color"]
+
+
+def other_numbers(graph: Graph, random: Socket) -> Socket:
+    """Random numbers of a second direction: half of the range away from the first's."""
+    return graph.vector("FRACTION", graph.vector("ADD", random, (0.5, 0.5, 0.0)))
+
+
+def one_of_two(graph: Graph, drawn: Any, again: Any, outside: tuple[Value, Value], xi: Socket) -> tuple[dict, Socket]:
+    """Of two directions one, by what it sends, which stands for the mean of both: what a mirror needs, and a factor.
+
+    Resampled importance sampling (Talbot et al. 2005), as in ``shaders/diffraction.osl``: what is stretched has other
+    densities than those stored.
+
+    Parameters
+    ----------
+    drawn, again
+        Outputs of the group of `draw`.
+    outside
+        Of each, 1 where it is not left to a lamp.
+    xi
+        A random number.
+    """
+    sent = [
+        graph.product(graph.scalar("DOT_PRODUCT", one["RGB"], (0.25, 0.5, 0.25)), one["Finished"])
+        for one in (drawn, again)
+    ]
+    total = graph.sum(*sent)
+    second = graph.math("LESS_THAN", graph.product(xi, total), sent[1])
+    chosen = {name: graph.mix(second, drawn[name], again[name]) for name in ("RGB", "Half")}
+    finished = [graph.product(one["Finished"], each) for one, each in zip((drawn, again), outside, strict=True)]
+    factor = graph.choose(second, *finished)
+    factor = graph.product(factor, graph.quotient(graph.product(total, 0.5), graph.choose(second, *sent)))
+    return chosen, factor
 
 
 def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:

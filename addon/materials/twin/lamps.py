@@ -28,6 +28,13 @@ EEVEE_ALPHA, EEVEE_ALPHA_MAX = 0.04, 0.25
 #: What EEVEE's tables make of the lobe's peak, measured: 0.995 to 0.997 at all angles for the smallest alpha.
 EEVEE_PEAK = 0.9957
 
+#: How fast EEVEE's lobe falls about its peak over how fast GGX does, measured: 0.7 to 0.85, by alpha and lamp.
+EEVEE_TOP = 0.8
+
+
+#: EEVEE's threshold where a scene has no world, and how many times it the world may be.
+SUN_THRESHOLD, WORLD_MARGIN = 10.0, 4.0
+
 
 #: How much wider than the lamp, and by how many radians for a disc, what drawn directions must not show.
 EEVEE_EDGE, EEVEE_BESIDE = 1.2, 0.03
@@ -119,9 +126,12 @@ def in_eevee(parts: Parts) -> bpy.types.NodeTree:
     lambdas = graph.math("SQRT", graph.fused(tan2, alpha2, 1.0))
     solid_angle = graph.product(c, alpha2, lambdas, 4.0 * math.pi / EEVEE_PEAK)
     # The mean of the lobe over the lamp lies below the peak: half vectors turn by half the lamp's radius in the plane
-    # of incidence and by 1 / c as much across it, D falls as 1 - 2 (tan / alpha)^2.
+    # of incidence and by 1 / c as much across it. Over such an ellipse the mean of (1 + (tan / alpha)^2)^-2 is
+    # 1 / sqrt((1 + p^2) (1 + p^2 / c^2)), with p the lesser half axis over alpha.
     part = graph.quotient(graph.product(radius, 0.5), alpha)
-    spread = graph.fused(graph.product(part, part, 0.5), graph.sum(tan2, 2.0), 1.0)
+    part2 = graph.product(part, part, EEVEE_TOP)
+    along, across = graph.sum(part2, 1.0), graph.fused(part2, graph.sum(tan2, 1.0), 1.0)
+    spread = graph.math("SQRT", graph.product(along, across))
     factor = graph.product(gain, solid_angle, spread, lamp.is_on)
     graph.put(output.inputs["Colour"], graph.scaled(graph.vector("MULTIPLY", rgb, light), factor))
     cosine = graph.fused(solid_angle, -0.5 / math.pi, 1.0)
@@ -146,3 +156,16 @@ def mirror(graph: Graph, half: Socket, roughness: Value) -> Socket:
     shown = graph.add("ShaderNodeShaderToRGB")
     graph.put(shown.inputs[0], glossy.outputs[0])
     return shown.outputs[0]
+
+
+def most_of_world(graph: Graph) -> Socket:
+    """A vector of the radiance that EEVEE's world has at most, some times over for what the strength of a view adds.
+
+    What is brighter EEVEE turns into a sun (*Sun > Threshold* of the world), which a mirror without roughness meets
+    once in 50,000 times: a white dot. Where the threshold is 0 there is no bound.
+    """
+    read = graph.add("ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name="sun_threshold").outputs
+    without_world = graph.fused(read["Alpha"], -WORLD_MARGIN * SUN_THRESHOLD, WORLD_MARGIN * SUN_THRESHOLD)
+    most = graph.fused(read["Fac"], WORLD_MARGIN, without_world)
+    most = graph.sum(most, graph.product(graph.math("LESS_THAN", most, 1e-3), 1e6))
+    return graph.join(most, most, most)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....precompute.table.layout import TableLayout
 from ...materials.osl import LAMP_KINDS, LAMPS_MAX
-from .sources import KEPT
+from .sources import DEPTH_SLACK, KEPT
 
 #: Side of the cube that holds the view transform; its axes are even in log(1 + gain x) up to the value white, both at
 #: an exposure of 0.
@@ -21,8 +21,9 @@ DISPLAY_WHITE = 32.0
 #: Side of the square that holds a table's albedos.
 ALBEDO_SIDE = 512
 
-#: Pixels by which EEVEE's depth may have been sampled elsewhere.
-DEPTH_SLACK = 2.0
+#: How steeply a surface may rise within DEPTH_SLACK: one seen edge-on would reach in front of what hides it. A slope of
+#: 16 is 86 degrees.
+DEPTH_STEEPEST = 16.0
 
 
 @dataclass
@@ -51,6 +52,8 @@ class Frame:
         Two parts of one by which the directions into an image of the surroundings are moved.
     border
         Left, bottom, right and top in pixels, outside of which nothing is drawn.
+    width
+        Of the viewport in pixels, for a depth that was sampled elsewhere in them.
     """
 
     view: np.ndarray
@@ -64,6 +67,7 @@ class Frame:
     border: tuple[float, float, float, float] | None = None
     sky: np.ndarray | None = None
     moved: tuple[float, float] = (0.0, 0.0)
+    width: int = 1
 
     def rows(self) -> np.ndarray:
         """``(23 + 6 LAMPS_MAX, 4)``."""
@@ -80,7 +84,7 @@ class Frame:
         side = DISPLAY_SIDE
         gain = DISPLAY_GAIN * 2.0**self.exposure
         rows[10] = gain, 1.0 / np.log2(DISPLAY_WHITE * DISPLAY_GAIN + 1.0), (side - 1) / side, 0.5 / side
-        rows[11] = *self.ambient, DEPTH_SLACK
+        rows[11] = *self.ambient, self._most_slack()
         rows[12:18] = 0.0, 0.0, 0.0, 1.0  # hides nothing
         for row, plane in zip(rows[12:18], self.clip, strict=False):
             row[:] = plane
@@ -90,6 +94,13 @@ class Frame:
         if len(self.lamps):
             rows[23 : 23 + 6 * len(self.lamps)] = np.reshape(self.lamps, (-1, 4))
         return rows
+
+    def _most_slack(self) -> float:
+        """Depth times the homogeneous w that a surface of DEPTH_STEEPEST rises in DEPTH_SLACK pixels."""
+        p = np.asarray(self.projection, float)
+        # d depth / d z = (p22 p33 - p32 p23) / 2 w^2, and a pixel is 2 w / (p00 width) wide.
+        rise = abs(p[2, 2] * p[3, 3] - p[2, 3] * p[3, 2]) / (abs(p[0, 0]) * self.width)
+        return float(DEPTH_SLACK * DEPTH_STEEPEST * rise)
 
     def flags(self) -> set[str]:
         """What of ``sources.FLAGS`` these lamps and this display need."""

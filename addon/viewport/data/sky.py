@@ -11,7 +11,7 @@ from __future__ import annotations
 import threading
 from collections import OrderedDict
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import bpy
@@ -225,10 +225,20 @@ class Lit:
         Of all levels.
     suns
         ``(n, 7)`` what stands out of it, in the image's directions, at a strength of 1.
+    rest
+        ``(rows, cols, 3)`` the image without them.
     """
 
     texture: Any
     suns: np.ndarray
+    rest: np.ndarray
+    _above: dict[float, np.ndarray] = field(default_factory=dict, compare=False)
+
+    def suns_above(self, threshold: float) -> np.ndarray:
+        """`hot_spots.suns_above` of it."""
+        if threshold not in self._above:
+            self._above[threshold] = hot_spots.suns_above(self.rest, self.suns, threshold)
+        return self._above[threshold]
 
 
 class _Texels:
@@ -258,7 +268,7 @@ class _Texels:
         texels: Any = self._texels
         texture = gpu.types.GPUTexture(atlas_size(), format="RGBA16F", data=buffer(texels))
         smooth_lookups(texture)
-        return Lit(texture, self._light[1])
+        return Lit(texture, self._light[1], reduced(self._light[0]))
 
     def _work(self) -> None:
         if self._light is not None:

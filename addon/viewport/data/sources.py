@@ -27,6 +27,9 @@ struct DiffractionSurface {
 struct DiffractionSeries { vec4 bins; vec4 window; vec4 loops; vec4 spectrum[WAVELENGTHS_MAX]; };
 """
 
+#: Pixels by which EEVEE's depth may have been sampled elsewhere.
+DEPTH_SLACK = 2.0
+
 #: Wavelengths of the reference method: 380-780 nm in steps of 5 nm are 81.
 WAVELENGTHS_MAX = 96
 
@@ -141,6 +144,7 @@ def surface(method: str, flags: frozenset[str]) -> Any:
     info = _begin(method, flags)
     if "LOOSE_DEPTH" in flags:
         info.depth_write("ANY")
+        info.define("DEPTH_SLACK", str(DEPTH_SLACK))
     if "DISPLAY" in flags:
         info.sampler(2, "FLOAT_3D", "df_display")
     if "TURNED" in flags:

@@ -167,18 +167,24 @@ def test_keys_drivers_and_links_stay_over_a_change_of_implementation(blender, tm
 @pytest.mark.slow
 @pytest.mark.parametrize("light", ["sky", "image", "emitter"])
 def test_nodes_see_surroundings_as_osl_does(blender, tmp_path, light):
-    """Means within 1 percent, noise at most 1.1 times."""
-    tables.make_table(tmp_path / "t.exr", tables.lobes)
+    """Means within 1 percent, noise at most 1.1 times.
+
+    Without its own albedo this table sends light without bound at grazing angles: one sample of a white world in 20,000
+    held more than all others, and means of twelve seeds varied by 40 %.
+    """
+    tables.make_table(tmp_path / "t.exr", tables.lobes, albedo="own")
     sphere = scenes.add_sphere(segments=96, rings=48)
     scenes.add_camera((0.0, -0.2, 1.0))
     add_light(light, tmp_path)
+    # Under the emitter a mean of twelve seeds varies by 1 % at 64 samples, under the others by 0.1 %.
+    samples = 512 if light == "emitter" else 64
     means, spreads = {}, {}
     for implementation in ("OSL", "NODES"):
         materials.diffracting(sphere, tmp_path / "t.exr", implementation, fresnel="NONE")
         pictures = []
         for seed in range(1, 13):
             bpy.context.scene.cycles.seed = seed
-            pictures.append(scenes.render(24, 64))
+            pictures.append(scenes.render(24, samples))
         pictures = np.stack(pictures).sum(-1)
         mean, variance = pictures.mean(0), pictures.var(0, ddof=1)
         lit = mean > 0.05 * np.percentile(mean, 90)

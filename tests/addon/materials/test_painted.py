@@ -13,6 +13,7 @@ from precompute.presets import make_preset
 from precompute.stack import parse_stack
 from precompute.table.table import SpectralTable
 from tests.support.blender import materials, scenes
+from tests.support.blender.lamps import add_lamp
 from tests.support.blender.sphere_truth import expected
 from tests.support.blender.worlds import white_world
 from tests.support.compare import assert_images_agree
@@ -159,6 +160,26 @@ def test_a_white_furnace_equals_the_quadrature(blender, foil, implementation, sc
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_a_lamp_in_a_world_counts_once_on_a_stretched_surface(blender, foil, implementation):
+    """Both directions that one is taken of are left to the lamp where they meet it: lamp and world apart add up."""
+    _, path = foil
+    found = {}
+    for name in ("lamp", "world", "both"):
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        if name != "lamp":
+            white_world()
+        plane = scenes.add_plane(half=1.0)
+        if name != "world":
+            add_lamp("AREA", (0.5, 0.9, 2.0), energy=60.0, shape="DISK", size=0.9)
+        scenes.add_camera((0.1, 0.2, 1.0), extent=0.2)
+        made = materials.diffracting(plane, path, implementation, fresnel="NONE")
+        node_of(made).inputs["Scale"].default_value = 0.7
+        found[name] = scenes.render(16, 144).mean((0, 1))
+    assert found["lamp"].min() > 0.1
+    assert found["both"] == pytest.approx(found["lamp"] + found["world"], rel=0.02)
+
+
 @pytest.mark.parametrize("implementation", ["OSL", "NODES"])
 def test_raw_model_in_a_furnace_equals_the_quadrature(blender, foil, implementation):
     table, path = foil

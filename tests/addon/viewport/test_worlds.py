@@ -189,3 +189,54 @@ def test_of_too_many_lamps_the_brightest_are_drawn(renderer, ball):
     weak = drawing.alone(renderer, 32)[middle(32)]
     add_lamp("SUN", (0.3, -1.0, 1.0), energy=3.0, name="Sun")
     assert drawing.alone(renderer, 32)[middle(32)].mean() > 100.0 * weak.mean()
+
+
+def test_what_eevee_takes_out_of_an_image(blender):
+    """All light above the threshold, each spot where it stands, with what is bright about it."""
+    from diffraction_shader.addon.lights import hot_spots
+
+    pixels = np.ones((64, 128, 3), np.float32)
+    pixels[40, 30], pixels[40, 31] = (9000.0, 6000.0, 3000.0), (30.0, 20.0, 10.0)
+    pixels[20:23, 90:93] = (25.0, 50.0, 25.0)
+    spots = hot_spots.search(pixels.mean(-1))
+    rest, suns = hot_spots.split(pixels, spots)
+    assert len(suns) == 1
+    found = hot_spots.suns_above(rest, suns, 10.0)
+    assert len(found) == 2
+    assert found[:, :3] @ suns[0, :3] == pytest.approx([1.0, found[1, :3] @ suns[0, :3]], abs=1e-6)
+    theta = ((np.arange(64) + 0.5) / 64 - 0.5) * np.pi
+    size = np.cos(theta)[:, None, None] * (np.pi / 64) * (2 * np.pi / 128)
+    above = pixels * np.maximum(1.0 - 10.0 / pixels.max(-1), 0.0)[..., None] * size
+    assert found[:, 3:6].sum(0) == pytest.approx(above.sum((0, 1)), rel=3e-3)
+    assert found[1, 3:6] == pytest.approx(above[20:23, 90:93].sum((0, 1)), rel=1e-5)
+    assert found[1, 3] == pytest.approx(0.5 * found[1, 4])  # in its colour
+    assert len(hot_spots.suns_above(rest, suns, 1e9)) == 1
+    none = np.zeros((0, 7), np.float32)
+    assert hot_spots.suns_above(np.ones((8, 16, 3), np.float32), none, 10.0).shape == (0, 7)
+
+
+@pytest.mark.slow
+def test_material_preview_of_nodes_as_cycles_shows_the_studio_light(renderer, ball, tmp_path):
+    """EEVEE takes a fifth of the forest's light out as a sun: 0.73 to 0.84 of the diffraction were left."""
+    from diffraction_shader.addon.viewport import looks, offscreen
+
+    name = "forest.exr"
+    table = tmp_path / "own.exr"
+    tables.make_table(table, tables.gentle, albedo="own")
+    materials.diffracting(ball, table, "NODES", fresnel="NONE")
+    studio = next(each.path for each in bpy.context.preferences.studio_lights if each.name == name)
+    tree, image = world("TexEnvironment")
+    image.image = bpy.data.images.load(studio)
+    tree.links.new(image.outputs[0], tree.nodes["Background"].inputs[0])
+    bpy.context.view_layer.update()
+    scene = bpy.context.scene
+    by_cycles = scenes.render(32, samples=256)[middle(32)].mean(0)
+    scene.world = None
+    bpy.context.view_layer.update()
+    with offscreen.view_3d() as override:
+        shading = override["space_data"].shading
+        shading.type, shading.studio_light = "MATERIAL", name
+        shading.use_scene_lights = shading.use_scene_world = False
+        shading.studiolight_intensity = 1.0
+        found = offscreen.render(renderer, scene, scene.camera, (32, 32), "MATERIAL", looks.View(points=16))
+    assert found[middle(32)][..., :3].mean(0) == pytest.approx(by_cycles, rel=0.05)

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from precompute.table.albedo import albedo_map
 from precompute.table.layout import TableLayout, near_square_columns, put_guard
 from precompute.table.table import SpectralTable
 
@@ -12,7 +13,8 @@ WHITE = (0.95047, 1.0, 1.08883)
 def make_table(path, transform, albedo=None, n_r=96, n_phi=120, n_w=12, power=1.0):
     """Save a table of `transform(u, v, w) -> (..., 3)` XYZ and return it.
 
-    `albedo(theta, phi)` fills the albedo tile; without it the table says that the albedo stays below 1.
+    `albedo(theta, phi)` fills the albedo tile; without it the table says that the albedo stays below 1, "own" is what a
+    bake would find.
     """
     layout = TableLayout(
         n_r=n_r, n_phi=n_phi, n_w=n_w, r0=0.2, w0=0.3, w_min=0.05, power=power, scale=0.01,
@@ -29,7 +31,12 @@ def make_table(path, transform, albedo=None, n_r=96, n_phi=120, n_w=12, power=1.
     theta, phi = np.meshgrid(
         np.linspace(0, np.pi / 2, layout.n_theta), np.arange(layout.n_albedo_phi) * 2 * np.pi / layout.n_albedo_phi
     )
-    values = np.full_like(theta, 0.5) if albedo is None else albedo(theta, phi)
+    if albedo == "own":
+        r, w, turn = np.meshgrid(layout.radii, layout.slices, layout.angles, indexing="ij")
+        texels = transform(r * np.cos(turn), r * np.sin(turn), -w) / (w**layout.power)[..., None]
+        values = albedo_map(np.moveaxis(texels, -1, 2).astype(np.float32), layout, np.asarray(WHITE))
+    else:
+        values = np.full_like(theta, 0.5) if albedo is None else albedo(theta, phi)
     tile = atlas[layout.albedo_y : layout.albedo_y + layout.albedo_height, : layout.n_theta]
     tile[1:-1] = values[..., None]
     tile[0], tile[-1] = tile[-2], tile[1]

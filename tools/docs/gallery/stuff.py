@@ -139,7 +139,8 @@ def build(out):
     cases = beetle((0.044, -0.032, 0.0), (0.0, 0.0, math.radians(-58.0)))
     band = ring((0.004, -0.040, 0.0118), (math.radians(90.0), 0.0, math.radians(64.0)))
     gold = leaf((-0.070, -0.036, 0.0), (0.0, 0.0, math.radians(20.0)))
-    copper = plate("Copper", (0.015, 0.020), (0.060, 0.022, 0.0008), (0.0, 0.0, math.radians(66.0)))
+    # Tilted out of the window's mirror image: what is seen are its orders.
+    copper = plate("Copper", (0.015, 0.020), (0.060, 0.022, 0.007), (0.0, math.radians(-18.0), math.radians(66.0)))
     oil = plate("Oily", (0.022, 0.015), (-0.028, -0.062, 0.0008), (0.0, 0.0, math.radians(8.0)))
     looks(wings, "morpho")
     tree = wings[0].active_material.node_tree
