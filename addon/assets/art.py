@@ -128,8 +128,8 @@ def brush(period_m: float) -> Art:
     part = np.floor(along * parts[hair]).astype(int)
     scale, depth = random.uniform(0.5, 1.0, (count, most)), random.uniform(0.35, 1.0, (count, most))
     turn = random.normal(0.0, np.radians(1.2), (count, most))
-    maps = [each[hair, part] for each in (scale, depth, turn)]
-    return Paint(*maps, np.ones_like(maps[0]), {"recipe": "hairlines"}), None
+    scale, depth, turn = (each[hair, part] for each in (scale, depth, turn))
+    return Paint(scale, depth, turn, np.ones_like(scale), {"recipe": "hairlines"}), None
 
 
 ART = {"brush": brush, "glitter": glitter, "card": card, "sticker": sticker, "mark": mark}
