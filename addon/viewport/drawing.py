@@ -31,8 +31,8 @@ from .surroundings import Surroundings
 #: Directions in which an image of the surroundings is looked up, by the points that stand for a wide lamp.
 SKY_POINTS = {1: 8, 4: 16, 16: 32}
 
-#: Views of different scenes or layers whose lists are kept.
-_LISTS = 4
+#: Views of different scenes or layers whose lists are kept; a view of a studio light has two.
+_LISTS = 8
 
 
 @dataclass(eq=False)
