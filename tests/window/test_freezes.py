@@ -14,7 +14,7 @@ from precompute.presets import make_preset
 from precompute.scan.gsf import write_gsf
 
 #: Seconds that the main thread may work in one go beyond a redraw; of the first *Apply* more: its nodes are made then.
-MOST, MOST_FIRST = 0.2, 0.25
+MOST, MOST_FIRST = 0.2, 0.3
 
 MODULE = "bl_ext.user_default.diffraction_shader"
 
