@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 
 import bpy
 import numpy as np
 
-#: Custom property of images: what was found, and of which size and file.
-KEY = "diffraction_spots"
+#: Custom properties of images: what was found, and of which size and file.
+KEY, KEY_EEVEE = "diffraction_spots", "diffraction_eevee_sun"
 
 #: Spots of an image at most, and what one has to be: radiance over the mean, part of all light, radius in radians.
 MOST, STANDS_OUT, PART, RADIUS_MAX = 4, 100.0, 0.02, 0.1
@@ -27,9 +28,22 @@ Spot = tuple[float, float, float, float, float]
 
 def of(image: bpy.types.Image) -> list[Spot]:
     """Spots of an image, brightest first: unit direction x, y, z, radius (rad), irradiance in the image's units."""
-    stamp = [image.filepath, *image.size]
+    return _kept(image, KEY, [], lambda pixels: search(pixels.mean(-1)))
+
+
+def eevee_sun(image: bpy.types.Image, threshold: float) -> list[Spot]:
+    """The sun that EEVEE makes of all that is brighter than a radiance in the image's units: one spot, or none.
+
+    EEVEE takes that light out of the world and lets it shine from its mean direction alone.
+    """
+    return _kept(image, KEY_EEVEE, [threshold], lambda pixels: mean_above(pixels, threshold))
+
+
+def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[np.ndarray], list[Spot]]) -> list[Spot]:
+    """What is found in an image's pixels ``(height, width, 1 to 3)``, once for each file and size of it."""
+    stamp = [image.filepath, *image.size, *more]
     try:
-        kept = json.loads(image.get(KEY, "[]"))
+        kept = json.loads(image.get(key, "[]"))
         if kept and kept[0] == stamp:
             return [(x, y, z, radius, strength) for x, y, z, radius, strength in kept[1]]
     except ValueError:
@@ -39,10 +53,9 @@ def of(image: bpy.types.Image) -> list[Spot]:
         return []
     pixels = np.empty(width * height * image.channels, np.float32)
     image.pixels.foreach_get(pixels)
-    pixels = pixels.reshape(height, width, image.channels)
-    spots = search(pixels[..., : min(3, image.channels)].mean(-1))
+    spots = find(pixels.reshape(height, width, image.channels)[..., : min(3, image.channels)])
     if image.is_editable:
-        image[KEY] = json.dumps([stamp, spots])
+        image[key] = json.dumps([stamp, spots])
     return spots
 
 
@@ -118,6 +131,33 @@ def split(pixels: np.ndarray, spots: list[Spot]) -> tuple[np.ndarray, np.ndarray
         spread = math.sqrt(2.0 * float((power * apart[inside] ** 2).sum() / max(float(power.sum()), 1e-30)))
         suns.append((x, y, z, *(more * size[:, None]).sum(0), min(spread, radius)))
     return rest, np.array(suns, np.float32).reshape(-1, 7)
+
+
+def mean_above(pixels: np.ndarray, threshold: float) -> list[Spot]:
+    """The mean direction of what is brighter than a threshold, if it is a good part of all light: one spot or none.
+
+    Parameters
+    ----------
+    pixels
+        ``(height, width, 1 to 3)`` radiance, row 0 at the bottom.
+    threshold
+        For the brightest channel: what lies above it counts.
+    """
+    height, width, _ = pixels.shape
+    sizes = np.cos(((np.arange(height) + 0.5) / height - 0.5) * math.pi) * (math.pi / height) * (2.0 * math.pi / width)
+    peak, mean = pixels.max(-1), np.maximum(pixels.mean(-1), 0.0)
+    total = float((mean * sizes[:, None]).sum(dtype=float))
+    rows, columns = np.nonzero(peak > threshold)
+    more = mean[rows, columns] * (1.0 - threshold / peak[rows, columns]) * sizes[rows]
+    part = float(more.sum(dtype=float))
+    if not (math.isfinite(total) and part > PART * total):
+        return []
+    axis = (_directions(rows, columns, height, width) * more[:, None]).sum(0)
+    length = float(np.linalg.norm(axis))
+    if not length > 0.0:
+        return []
+    x, y, z = map(float, axis / length)
+    return [(x, y, z, EEVEE_SUN_RADIUS, part)]
 
 
 def suns_above(pixels: np.ndarray, suns: np.ndarray, threshold: float) -> np.ndarray:

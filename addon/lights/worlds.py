@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import bpy
 from mathutils import Euler, Matrix, Vector
 
+from ..versions import EEVEE
 from . import hot_spots
 from .slots import KINDS
 from .source import Drive, Entry, Source, Variable
@@ -22,11 +24,11 @@ _SUN_STRENGTH = 1000.0
 def sources(scene: bpy.types.Scene) -> Iterator[Source]:
     """Lights of a scene's world, as far as its nodes tell them: textures with no other vector than a Mapping's."""
     if scene.world is not None:
-        yield from of_world(scene.world)
+        yield from of_world(scene.world, scene.render.engine == EEVEE)
 
 
-def of_world(world: bpy.types.World) -> Iterator[Source]:
-    """Lights of a world."""
+def of_world(world: bpy.types.World, by_eevee: bool = False) -> Iterator[Source]:
+    """Lights of a world; for EEVEE the one sun that it makes of an image's brightest places, in place of these."""
     tree = world.node_tree
     if tree is None:
         return
@@ -40,7 +42,8 @@ def of_world(world: bpy.types.World) -> Iterator[Source]:
         elif node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None:
             turn = _turn(node)
             if turn is not None and node.projection == "EQUIRECTANGULAR":
-                yield from _spots(world, node, turn)
+                spots = _eevee_sun(world, node) if by_eevee else hot_spots.of(node.image)
+                yield from _spots(world, node, turn, spots)
 
 
 def _turn(node: bpy.types.Node) -> bpy.types.Node | Matrix | None:
@@ -147,8 +150,20 @@ def _still(world: bpy.types.World, turn: bpy.types.Node | Matrix, x: float, y: f
     return _turned(world, turn, f"{x:.7g}", f"{y:.7g}", f"{z:.7g}", ())
 
 
-def _spots(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix) -> Iterator[Source]:
-    for number, (x, y, z, radius, strength) in enumerate(hot_spots.of(node.image)):
+def _eevee_sun(world: bpy.types.World, node: bpy.types.Node) -> list[hot_spots.Spot]:
+    """What EEVEE takes out of an image that shines as strongly as the Background node behind it says."""
+    colour: Any = node.outputs[0]
+    after = [link.to_node for link in colour.links]
+    strengths = [each.inputs["Strength"].default_value for each in after if each.bl_idname == "ShaderNodeBackground"]
+    strength = strengths[0] if strengths else 1.0
+    threshold = getattr(world, "sun_threshold", 0.0)
+    return hot_spots.eevee_sun(node.image, threshold / strength) if threshold > 0.0 and strength > 0.0 else []
+
+
+def _spots(
+    world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix, spots: list[hot_spots.Spot]
+) -> Iterator[Source]:
+    for number, (x, y, z, radius, strength) in enumerate(spots):
         yield Source(
             key=("image", world.as_pointer(), world.name_full, node.name, number, (x, y, z), radius, _signature(turn)),
             name=f"{world.name}: {node.image.name}",

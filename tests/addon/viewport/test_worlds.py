@@ -215,12 +215,59 @@ def test_what_eevee_takes_out_of_an_image(blender):
     assert hot_spots.suns_above(np.ones((8, 16, 3), np.float32), none, 10.0).shape == (0, 7)
 
 
+def test_the_sun_that_eevee_makes_of_an_image(blender):
+    """All light above the threshold from its mean direction, if it is a good part of all; 0 takes out none."""
+    from diffraction_shader.addon.lights import hot_spots, worlds
+    from diffraction_shader.addon.versions import EEVEE
+
+    pixels = np.ones((64, 128, 3), np.float32)
+    pixels[40, 30], pixels[20, 90] = 9000.0, 4500.0
+    ((x, y, z, _, strength),) = hot_spots.mean_above(pixels, 10.0)
+    lat, lon = ((np.array([40, 20]) + 0.5) / 64 - 0.5) * np.pi, ((np.array([30, 90]) + 0.5) / 128 - 0.5) * -2 * np.pi
+    towards = np.stack([np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], -1)
+    light = np.array([8990.0, 4490.0]) * np.cos(lat) * (np.pi / 64) * (2 * np.pi / 128)
+    mean = (towards * light[:, None]).sum(0)
+    assert strength == pytest.approx(light.sum(), rel=1e-5)
+    assert np.array([x, y, z]) @ mean / np.linalg.norm(mean) == pytest.approx(1.0, abs=1e-5)
+    assert hot_spots.mean_above(pixels, 1e4) == []
+    assert hot_spots.mean_above(np.ones((8, 16, 3), np.float32), 0.9999) == []  # no part of it that counts
+
+    picture_world(pixels)
+    shown = bpy.context.scene.world
+    assert len(list(worlds.of_world(shown))) == 2
+    (sun,) = worlds.of_world(shown, by_eevee=True)
+    bpy.context.scene.render.engine = EEVEE
+    assert [each.key for each in worlds.sources(bpy.context.scene)] == [sun.key]
+    shown.sun_threshold = 0.0
+    assert list(worlds.of_world(shown, by_eevee=True)) == []
+
+
 @pytest.mark.slow
-def test_material_preview_of_nodes_as_cycles_shows_the_studio_light(renderer, ball, tmp_path):
+@pytest.mark.parametrize("name", ["forest.exr", "interior.exr", "city.exr"])
+def test_eevee_shows_an_image_with_bright_places_as_cycles_does(renderer, ball, tmp_path, name):
+    """EEVEE lets them shine from one direction, where no lamp was listed: a world of three lamps kept a seventh."""
+    from diffraction_shader.addon.versions import EEVEE
+
+    table = tmp_path / "own.exr"
+    tables.make_table(table, tables.gentle, albedo="own")
+    materials.diffracting(ball, table, "NODES", fresnel="NONE")
+    tree, image = world("TexEnvironment")
+    path = next(each.path for each in bpy.context.preferences.studio_lights if each.name == name)
+    image.image = bpy.data.images.load(path)
+    tree.links.new(image.outputs[0], tree.nodes["Background"].inputs[0])
+    found = []
+    for engine, samples in (("CYCLES", 128), (EEVEE, 1)):
+        bpy.context.scene.render.engine = engine
+        found.append(scenes.render(24, samples=samples)[middle(24)].mean(0))
+    assert found[1] == pytest.approx(found[0], rel=0.05)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["forest.exr", "studio.exr"])
+def test_material_preview_of_nodes_as_cycles_shows_the_studio_light(renderer, ball, tmp_path, name):
     """EEVEE takes a fifth of the forest's light out as a sun: 0.73 to 0.84 of the diffraction were left."""
     from diffraction_shader.addon.viewport import looks, offscreen
 
-    name = "forest.exr"
     table = tmp_path / "own.exr"
     tables.make_table(table, tables.gentle, albedo="own")
     materials.diffracting(ball, table, "NODES", fresnel="NONE")
@@ -230,6 +277,7 @@ def test_material_preview_of_nodes_as_cycles_shows_the_studio_light(renderer, ba
     tree.links.new(image.outputs[0], tree.nodes["Background"].inputs[0])
     bpy.context.view_layer.update()
     scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
     by_cycles = scenes.render(32, samples=256)[middle(32)].mean(0)
     scene.world = None
     bpy.context.view_layer.update()
