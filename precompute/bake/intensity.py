@@ -76,8 +76,10 @@ class PolarIntensity:
             window_axis(rows, field.dy, sigma_s_m, ensemble),
             window_axis(cols, field.dx, sigma_s_m, ensemble),
         )
-        self.y = Axis.plan(rows, field.dy, sigma_s_m, frequency_max, self.window_axes[0], smoothed)
-        self.x = Axis.plan(cols, field.dx, sigma_s_m, frequency_max, self.window_axes[1], smoothed)
+        # Lags without weights may not wrap around: what ends at the cut is as bright as what lies within.
+        windows = self.window_axes if smoothed else (None, None)
+        self.y = Axis.plan(rows, field.dy, sigma_s_m, frequency_max, windows[0], smoothed)
+        self.x = Axis.plan(cols, field.dx, sigma_s_m, frequency_max, windows[1], smoothed)
         area = float(np.prod([axis @ axis for axis in self.window_axes])) * field.dx * field.dy
         # One transform a kappa multiplies the rows by the window as it goes; a series needs it whole.
         window = np.ones((1, 1)) if series == "nodes" else np.outer(*self.window_axes)

@@ -46,9 +46,12 @@ def bakes():
 def test_a_bake_gives_the_same_texels(bakes, name):
     """To the last of a half float's 10 bits, and to the rounding of transforms in single precision of the brightest.
 
-    The order in which transforms sum may change, and does between processors; what they sum may not.
+    The order in which transforms sum may change, and does between processors. What they sum may not, but for lags that
+    weigh no more than 2.6e-5: which of them are left out hangs on the lengths of the transforms. That is one bit more
+    where lags are weighted (3 texels of 360).
     """
     before, now = (each[name] for each in bakes)
     assert now["shape"] == before["shape"]
     texels = np.array(before["texels"])
-    assert np.array(now["texels"]) == pytest.approx(texels, rel=2.0**-10, abs=1e-7 * texels.max())
+    bits = 10 if name in ("single", "periodic") else 9
+    assert np.array(now["texels"]) == pytest.approx(texels, rel=2.0**-bits, abs=1e-7 * texels.max())
