@@ -25,6 +25,10 @@ EEVEE_SUN_RADIUS, ABOUT = math.radians(0.526) / 2.0, 0.3
 
 Spot = tuple[float, float, float, float, float]
 
+#: What was found in images of libraries, which cannot keep it themselves, newest last; how many are remembered.
+_linked: dict[tuple, list[Spot]] = {}
+_LINKED_MOST = 32
+
 
 def of(image: bpy.types.Image) -> list[Spot]:
     """Spots of an image, brightest first: unit direction x, y, z, radius (rad), irradiance in the image's units."""
@@ -42,6 +46,9 @@ def eevee_sun(image: bpy.types.Image, threshold: float) -> list[Spot]:
 def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[np.ndarray], list[Spot]]) -> list[Spot]:
     """What is found in an image's pixels ``(height, width, 1 to 3)``, once for each file and size of it."""
     stamp = [image.filepath, *image.size, *more]
+    linked = (image.library.filepath, image.name, key, *stamp) if image.library is not None else None
+    if linked in _linked:
+        return _linked[linked]
     try:
         kept = json.loads(image.get(key, "[]"))
         if kept and kept[0] == stamp:
@@ -56,6 +63,10 @@ def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[n
     spots = find(pixels.reshape(height, width, image.channels)[..., : min(3, image.channels)])
     if image.is_editable:
         image[key] = json.dumps([stamp, spots])
+    elif linked is not None:
+        while len(_linked) >= _LINKED_MOST:
+            del _linked[next(iter(_linked))]
+        _linked[linked] = spots
     return spots
 
 

@@ -242,6 +242,24 @@ def test_the_sun_that_eevee_makes_of_an_image(blender):
     assert list(worlds.of_world(shown, by_eevee=True)) == []
 
 
+def test_an_image_of_a_library_is_searched_once(blender, tmp_path, monkeypatch):
+    """It cannot keep what was found, and lights are looked for at each change of the scene."""
+    from diffraction_shader.addon.lights import hot_spots
+
+    pixels = np.ones((64, 128, 3), np.float32)
+    pixels[40, 30] = 9000.0
+    place = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(place, {picture(pixels)})
+    with bpy.data.libraries.load(place, link=True) as (there, here):
+        here.images = there.images
+    (image,) = here.images
+    assert image.library is not None
+    first = hot_spots.of(image)
+    monkeypatch.setattr(hot_spots, "search", lambda luminance: pytest.fail("searched again"))
+    assert len(first) == 1
+    assert hot_spots.of(image) == first
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["forest.exr", "interior.exr", "city.exr"])
 def test_eevee_shows_an_image_with_bright_places_as_cycles_does(renderer, ball, tmp_path, name):
