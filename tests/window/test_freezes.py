@@ -2,8 +2,8 @@
 """How long the window stands still while the extension works, beside a redraw of the same window without it.
 
 Prints a table and writes it to out/window/freezes.md. What is asserted is the work of Blender's main thread, which
-other programs of the machine lengthen little: beyond a redraw of the same window a quarter of a second, the first *Apply*
-of a table excepted. The same step takes half or twice as long in the next run.
+other programs of the machine lengthen little: beyond a redraw of the same window a quarter of a second, the first
+*Apply* of a table excepted. The same step takes half or twice as long in the next run.
 """
 
 import math
