@@ -75,7 +75,7 @@ def sparse_product(
         ``(n, k)`` float32.
     """
     if pointers is None:
-        pointers = np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
+        pointers = _pointers(indices)
     rows = len(pointers) - 1
     tools = extension(SPARSE)
     if tools is None:
@@ -107,9 +107,7 @@ def spread_product(indices: np.ndarray, weights: np.ndarray, dense: np.ndarray, 
     rows
         How many.
     """
-    count, terms = indices.shape
-    pointers = np.arange(0, indices.size + 1, terms, dtype=np.int32)
-    tools = extension(SPARSE)
+    count, pointers, tools = len(indices), _pointers(indices), extension(SPARSE)
     if tools is None:
         from scipy.sparse import csc_array
 
@@ -130,9 +128,7 @@ def scattered(indices: np.ndarray, weights: np.ndarray, columns: int) -> np.ndar
     columns
         How many.
     """
-    rows, terms = indices.shape
-    pointers = np.arange(0, indices.size + 1, terms, dtype=np.int32)
-    tools = extension(SPARSE)
+    rows, pointers, tools = len(indices), _pointers(indices), extension(SPARSE)
     if tools is None:
         from scipy.sparse import csr_array
 
@@ -140,6 +136,11 @@ def scattered(indices: np.ndarray, weights: np.ndarray, columns: int) -> np.ndar
     out = np.zeros((rows, columns), np.float32)
     tools.csr_todense(rows, columns, pointers, indices.reshape(-1), weights.reshape(-1), out)
     return out
+
+
+def _pointers(indices: np.ndarray) -> np.ndarray:
+    """``(n + 1,)`` the first term of each row of ``(n, m)`` terms, and the end."""
+    return np.arange(0, indices.size + 1, indices.shape[1], dtype=np.int32)
 
 
 @lru_cache(maxsize=1)

@@ -77,8 +77,7 @@ def search(luminance: np.ndarray) -> list[Spot]:
     by power, its radius that of the smallest cone that holds it.
     """
     height, width = luminance.shape
-    elevation = ((np.arange(height) + 0.5) / height - 0.5) * math.pi
-    power = np.maximum(luminance, 0.0) * (np.cos(elevation) * (math.pi / height) * (2.0 * math.pi / width))[:, None]
+    power = np.maximum(luminance, 0.0) * _texel_sizes(height, width)[:, None]
     total = float(power.sum())
     if not total > 0.0 or not math.isfinite(total):
         return []
@@ -122,7 +121,7 @@ def split(pixels: np.ndarray, spots: list[Spot]) -> tuple[np.ndarray, np.ndarray
     """
     rest, suns = np.array(pixels, np.float32), []
     height, width, _ = rest.shape
-    elevation = ((np.arange(height) + 0.5) / height - 0.5) * math.pi
+    elevation, sizes = _elevation(height), _texel_sizes(height, width)
     for x, y, z, radius, _ in spots:
         # Only rows that the ring about the spot touches.
         lies = math.asin(min(max(z, -1.0), 1.0))
@@ -135,7 +134,7 @@ def split(pixels: np.ndarray, spots: list[Spot]) -> tuple[np.ndarray, np.ndarray
             continue
         about = np.median(rest[grid[0][ring], grid[1][ring]], axis=0)
         more = np.maximum(rest[r, c] - about, 0.0)
-        size = np.cos(elevation[r]) * (math.pi / height) * (2.0 * math.pi / width)
+        size = sizes[r]
         rest[r, c] -= more
         # A spot seldom fills the cone that holds it: as a disc of even brightness it has the same mean square.
         power = more.sum(-1) * size
@@ -154,20 +153,13 @@ def mean_above(pixels: np.ndarray, threshold: float) -> list[Spot]:
     threshold
         For the brightest channel: what lies above it counts.
     """
-    height, width, _ = pixels.shape
-    sizes = np.cos(((np.arange(height) + 0.5) / height - 0.5) * math.pi) * (math.pi / height) * (2.0 * math.pi / width)
-    peak, mean = pixels.max(-1), np.maximum(pixels.mean(-1), 0.0)
-    total = float((mean * sizes[:, None]).sum(dtype=float))
-    rows, columns = np.nonzero(peak > threshold)
-    more = mean[rows, columns] * (1.0 - threshold / peak[rows, columns]) * sizes[rows]
-    part = float(more.sum(dtype=float))
-    if not (math.isfinite(total) and part > PART * total):
+    total = float((np.maximum(pixels.mean(-1), 0.0) * _texel_sizes(*pixels.shape[:2])[:, None]).sum(dtype=float))
+    towards, light = _above(pixels, threshold)
+    more = np.maximum(light.mean(-1), 0.0)
+    part, axis = float(more.sum(dtype=float)), _mean_direction(towards, more)
+    if axis is None or not (math.isfinite(total) and part > PART * total):
         return []
-    axis = (_directions(rows, columns, height, width) * more[:, None]).sum(0)
-    length = float(np.linalg.norm(axis))
-    if not length > 0.0:
-        return []
-    x, y, z = map(float, axis / length)
+    x, y, z = map(float, axis)
     return [(x, y, z, EEVEE_SUN_RADIUS, part)]
 
 
@@ -189,25 +181,46 @@ def suns_above(pixels: np.ndarray, suns: np.ndarray, threshold: float) -> np.nda
     ndarray
         ``(n, 7)`` as ``suns``.
     """
-    height, width, _ = pixels.shape
-    peak = pixels.max(-1)
-    rows, columns = np.nonzero(peak > threshold)
-    size = np.cos(((rows + 0.5) / height - 0.5) * math.pi) * (math.pi / height) * (2.0 * math.pi / width)
-    more = pixels[rows, columns] * ((1.0 - threshold / peak[rows, columns]) * size)[:, None]
-    towards = _directions(rows, columns, height, width)
+    towards, more = _above(pixels, threshold)
     found = np.concatenate([suns, np.zeros((1, 7), np.float32)])
     found[-1, 6] = EEVEE_SUN_RADIUS
-    near = np.concatenate([towards @ suns[:, :3].T, np.full((len(rows), 1), math.cos(ABOUT))], 1)
+    near = np.concatenate([towards @ suns[:, :3].T, np.full((len(more), 1), math.cos(ABOUT))], 1)
     owner = near.argmax(-1)
     for number in range(3):
         found[:, 3 + number] += np.bincount(owner, more[:, number], len(found)).astype(np.float32)
     rest = owner == len(suns)
-    axis = (towards[rest] * more[rest].mean(-1)[:, None]).sum(0)
-    length = float(np.linalg.norm(axis))
-    if not length > 0.0:
+    axis = _mean_direction(towards[rest], more[rest].mean(-1))
+    if axis is None:
         return found[:-1]
-    found[-1, :3] = axis / length
+    found[-1, :3] = axis
     return found
+
+
+def _above(pixels: np.ndarray, threshold: float) -> tuple[np.ndarray, np.ndarray]:
+    """``(n, 3)`` directions of pixels whose brightest channel is above a threshold, and ``(n, channels)`` the light of
+    them, radiance times solid angle, that lies above it."""
+    height, width, _ = pixels.shape
+    peak = pixels.max(-1)
+    rows, columns = np.nonzero(peak > threshold)
+    part = (1.0 - threshold / peak[rows, columns]) * _texel_sizes(height, width)[rows]
+    return _directions(rows, columns, height, width), pixels[rows, columns] * part[:, None]
+
+
+def _mean_direction(towards: np.ndarray, light: np.ndarray) -> np.ndarray | None:
+    """``(3,)`` of unit directions ``(n, 3)`` by their light ``(n,)``; None where there is none."""
+    axis = (towards * light[:, None]).sum(0)
+    length = float(np.linalg.norm(axis))
+    return axis / length if length > 0.0 else None
+
+
+def _elevation(height: int) -> np.ndarray:
+    """``(height,)`` radians of the rows' middles above the horizon."""
+    return ((np.arange(height) + 0.5) / height - 0.5) * math.pi
+
+
+def _texel_sizes(height: int, width: int) -> np.ndarray:
+    """``(height,)`` solid angles of the texels of each row."""
+    return np.cos(_elevation(height)) * (math.pi / height) * (2.0 * math.pi / width)
 
 
 def _region(picture: np.ndarray, row: int, column: int, least: float) -> tuple[np.ndarray, np.ndarray]:

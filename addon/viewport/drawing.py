@@ -240,14 +240,8 @@ class Renderer:
             mean = self._gathered(gathers, state, listing, frame, view, sky, not through_display)
         elif gathers is not None:
             self.gathering.forget(gathers)
-        view = replace(view, brightness=view.brightness * asks.see_through)
-        shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
         lights = _Lights(any(around.ambient), sky, mean)
-        display = self.display.texture(depsgraph.scene.original) if through_display else None
-        with _state("NONE" if view.surface == "REPLACE" else "ADDITIVE", writes_depth=False):
-            uniform = self._uniform(("frame",), frame.rows())
-            drawn, _ = self._draw_items(listing, view, shared, uniform, lights, display, wait=not through_display)
-        return drawn
+        return self._draw_frame("frame", frame, listing, depsgraph, view, lights, loose_depth, asks)
 
     def _draw_suns(
         self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
@@ -267,14 +261,19 @@ class Renderer:
             depsgraph.scene.original.view_settings.exposure, clip=asks.clip, border=asks.border,
             width=gpu.state.viewport_get()[2],
         )  # fmt: skip
-        shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
-        display = self.display.texture(depsgraph.scene.original) if through_display else None
+        return self._draw_frame("sun", frame, listing, depsgraph, view, _Lights(False, None), loose_depth, asks)
+
+    def _draw_frame(
+        self, name: str, frame: blocks.Frame, listing: _Listing, depsgraph: bpy.types.Depsgraph, view: View,
+        lights: _Lights, loose_depth: bool, asks: Manners,
+    ) -> int:  # fmt: skip
+        """Draw all pieces over what is there, the frame's numbers in a buffer of that name: how many were drawn."""
         view = replace(view, brightness=view.brightness * asks.see_through)
-        with _state("ADDITIVE", writes_depth=False):
-            uniform = self._uniform(("sun",), frame.rows())
-            drawn, _ = self._draw_items(
-                listing, view, shared, uniform, _Lights(False, None), display, wait=not through_display
-            )
+        shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
+        display = self.display.texture(depsgraph.scene.original) if frame.display else None
+        with _state("NONE" if view.surface == "REPLACE" else "ADDITIVE", writes_depth=False):
+            uniform = self._uniform((name,), frame.rows())
+            drawn, _ = self._draw_items(listing, view, shared, uniform, lights, display, wait=not frame.display)
         return drawn
 
     def _gathered(

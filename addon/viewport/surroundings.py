@@ -10,6 +10,7 @@ import numpy as np
 from mathutils import Euler
 
 from ...precompute.files.stamp import file_stamp
+from ..materials.twin.lamps import SUN_THRESHOLD
 from .data import panorama
 from .data.sky import Sky
 
@@ -39,10 +40,6 @@ class Surroundings:
     sun_above: float = 0.0
 
 
-#: What EEVEE takes where there is no world: the default of worlds.
-_SUN_ABOVE = 10.0
-
-
 def of_shading(scene: bpy.types.Scene, shading: bpy.types.View3DShading | None) -> Surroundings:
     """What surrounds the scene under a view's shading; None and Solid: the scene's world."""
     if shading is None or shading.type not in {"MATERIAL", "RENDERED"}:
@@ -54,7 +51,7 @@ def of_shading(scene: bpy.types.Scene, shading: bpy.types.View3DShading | None) 
         world = of_world(scene.world)
         return Surroundings(world.ambient, world.sky, lamps)
     # The studio light has the threshold of the scene's world.
-    above = float(getattr(scene.world, "sun_threshold", _SUN_ABOVE))
+    above = float(getattr(scene.world, "sun_threshold", SUN_THRESHOLD))
     return Surroundings(sky=studio(shading), lamps=lamps, sun_above=above)
 
 

@@ -2,8 +2,8 @@
 """How long the window stands still while the extension works, beside a redraw of the same window without it.
 
 Prints a table and writes it to out/window/freezes.md. What is asserted is the work of Blender's main thread, which
-other programs of the machine lengthen little: beyond a redraw of the same window a quarter of a second, the first
-*Apply* of a table excepted. The same step takes half or twice as long in the next run.
+other programs of the machine lengthen little: beyond a redraw of the same window a fifth of a second, the first *Apply*
+of a table excepted.
 """
 
 import math
@@ -14,7 +14,7 @@ from precompute.presets import make_preset
 from precompute.scan.gsf import write_gsf
 
 #: Seconds that the main thread may work in one go beyond a redraw; of the first *Apply* more: its nodes are made then.
-MOST, MOST_FIRST = 0.25, 0.3
+MOST, MOST_FIRST = 0.2, 0.3
 
 MODULE = "bl_ext.user_default.diffraction_shader"
 

@@ -30,6 +30,14 @@ def world(*kinds):
     return made.node_tree, *(made.node_tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)
 
 
+def studio_world(name):
+    """A world of the picture that one of Blender's studio lights is made of."""
+    tree, image = world("TexEnvironment")
+    path = next(each.path for each in bpy.context.preferences.studio_lights if each.name == name)
+    image.image = bpy.data.images.load(path)
+    tree.links.new(image.outputs[0], tree.nodes["Background"].inputs[0])
+
+
 def middle(size):
     """Pixels well inside the sphere's rim."""
     y, x = np.mgrid[0:size, 0:size] + 0.5 - size / 2
@@ -269,10 +277,7 @@ def test_eevee_shows_an_image_with_bright_places_as_cycles_does(renderer, ball, 
     table = tmp_path / "own.exr"
     tables.make_table(table, tables.gentle, albedo="own")
     materials.diffracting(ball, table, "NODES", fresnel="NONE")
-    tree, image = world("TexEnvironment")
-    path = next(each.path for each in bpy.context.preferences.studio_lights if each.name == name)
-    image.image = bpy.data.images.load(path)
-    tree.links.new(image.outputs[0], tree.nodes["Background"].inputs[0])
+    studio_world(name)
     found = []
     for engine, samples in (("CYCLES", 128), (EEVEE, 1)):
         bpy.context.scene.render.engine = engine
@@ -289,10 +294,7 @@ def test_material_preview_of_nodes_as_cycles_shows_the_studio_light(renderer, ba
     table = tmp_path / "own.exr"
     tables.make_table(table, tables.gentle, albedo="own")
     materials.diffracting(ball, table, "NODES", fresnel="NONE")
-    studio = next(each.path for each in bpy.context.preferences.studio_lights if each.name == name)
-    tree, image = world("TexEnvironment")
-    image.image = bpy.data.images.load(studio)
-    tree.links.new(image.outputs[0], tree.nodes["Background"].inputs[0])
+    studio_world(name)
     bpy.context.view_layer.update()
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
