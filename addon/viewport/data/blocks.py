@@ -99,7 +99,7 @@ class Frame:
         """Depth times the homogeneous w that a surface of DEPTH_STEEPEST rises in DEPTH_SLACK pixels."""
         p = np.asarray(self.projection, float)
         # d depth / d z = (p22 p33 - p32 p23) / 2 w^2, and a pixel is 2 w / (p00 width) wide.
-        rise = abs(p[2, 2] * p[3, 3] - p[2, 3] * p[3, 2]) / (abs(p[0, 0]) * self.width)
+        rise = abs(p[2, 2] * p[3, 3] - p[2, 3] * p[3, 2]) / (abs(p[0, 0]) * max(self.width, 1))
         return float(DEPTH_SLACK * DEPTH_STEEPEST * rise)
 
     def flags(self) -> set[str]:
