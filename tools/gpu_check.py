@@ -4,8 +4,9 @@
 `gpu_check.py [--size N] [--samples N] [--eevee | --no-eevee] [--out FILE]` with Blender as a module, or in a Blender
 that has the extension's libraries: `blender -b --factory-startup -P tools/gpu_check.py -- [...]`
 
-Cycles: OSL and Nodes under lamps of all types and under a picture of the sky, on each interface (CUDA, OptiX, HIP,
-oneAPI, Metal) with all its devices, against the processor with the same seed. GPU module: the viewport's diffraction
+Cycles: OSL and Nodes under lamps of all types, under a picture of the sky and under the most lamps that a scene's list
+or OptiX's memory of closures holds, on each interface (CUDA, OptiX, HIP, oneAPI, Metal) with all its devices, against
+the processor with the same seed. GPU module: the viewport's diffraction
 under a sun and under the picture against Cycles, a bake's table against the processor's, and EEVEE (by default where
 the GPU is hardware: a software renderer needs a minute or two to compile it).
 
@@ -98,6 +99,17 @@ def lamps() -> None:
     add_lamp("AREA", (0.5, 2.0, 2.0), energy=80.0, name="area", shape="RECTANGLE", size=0.6, size_y=1.5)
 
 
+def crowd(count: int) -> None:
+    """Many small lamps of many colours on a turn of a spiral above the sphere."""
+    from tests.support.blender.lamps import add_lamp
+
+    for index in range(count):
+        turn, up = 2.4 * index, 0.5 + 2.0 * index / count
+        colour = 0.5 + 0.5 * np.cos(turn + np.array([0.0, 2.1, 4.2]))
+        lamp = add_lamp("POINT", (2.0 * np.cos(turn), 2.0 * np.sin(turn), up), energy=60.0, shadow_soft_size=0.05)
+        lamp.data.color = colour.tolist()
+
+
 def sun() -> None:
     """A sun alone."""
     from tests.support.blender import scenes
@@ -131,6 +143,14 @@ class Check:
         self.size, self.samples, self.folder = size, samples, folder
         self.table = folder / "lobes.exr"
         tables.make_table(self.table, tables.gentle, albedo=lambda theta, phi: 0.6 / np.cos(0.99 * theta))
+
+    def crowd(self) -> None:
+        """As many lamps as both implementations hold on every device: OptiX does not check its memory of closures."""
+        from diffraction_shader.addon.lights import slots
+        from diffraction_shader.addon.materials import closures
+        from diffraction_shader.addon.renderers import OPTIX_BYTES
+
+        crowd(min(slots.SLOTS, (OPTIX_BYTES - closures.to_come([None], 0, 0)) // closures.LOBE))
 
     def scene(self, light: Callable[[], None], implementation: str, environment: int) -> None:
         """An empty file with a sphere of our material under some light, for Cycles on the processor."""
@@ -169,7 +189,9 @@ class Check:
                 devices[kind] = found
             else:
                 yield f"Cycles: no device of {kind}"
-        for light, name, environment, noise in ((lamps, "lamps", 0, 0.05), (sky, "environment", 1, 0.25)):
+        for light, name, environment, noise in (
+            (lamps, "lamps", 0, 0.05), (sky, "environment", 1, 0.25), (self.crowd, "crowd", 0, 0.05)
+        ):  # fmt: skip
             reference = {}
             for implementation in ("OSL", "NODES"):
                 if implementation == "OSL" and not _has_osl():
@@ -186,7 +208,7 @@ class Check:
                     bpy.context.scene.cycles.device = "CPU"
                     what = f"{implementation} {name} against processor"
                     yield compare(f"{kind} {names}", what, found, reference[implementation], noise, 0.01)
-            if len(reference) == 2:  # other random numbers: the means, and blocks of pixels
+            if len(reference) == 2 and name != "crowd":  # other random numbers: the means, and blocks of pixels
                 blocks = [_blocks(reference[each], self.size // 8) for each in ("NODES", "OSL")]
                 yield compare("processor", f"NODES {name} against OSL", *blocks, 2.0 * noise + 0.05, 0.02)
 

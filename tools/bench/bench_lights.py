@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measure both implementations under 1, 2 and 8 suns against a Principled BSDF, and how quick lamps are in big files.
 
-`bench_lights.py [--rounds N] [--lamps N ...] [--only costs|file]`
+`bench_lights.py [--rounds N] [--lamps N ...] [--only costs|file] [--device CUDA|OPTIX|HIP|ONEAPI|METAL]`
 
 Costs are processor time a sample, the difference of two renders of one thread, on a sphere that fills the picture with
-one bounce of light; materials in turn, medians of the ratios of each round. The second part takes the time that adding,
-renaming and deleting a lamp takes in a file of 30 Nodes materials. Merged into out/bench.json under "lights".
+one bounce of light; materials in turn, medians of the ratios of each round. With --device they are time of the wall on
+all devices of that interface, of larger pictures. The second part takes the time that adding, renaming and deleting a
+lamp takes in a file of 30 Nodes materials. Merged into out/bench.json under "lights".
 """
 
 import argparse
@@ -25,8 +26,8 @@ MATERIALS = {
     "OSL": ("OSL", 0), "OSL, environment": ("OSL", 1), "Nodes": ("NODES", 0), "Nodes, environment": ("NODES", 1),
 }  # fmt: skip
 
-#: Pixels of a side, samples of the short and the long render.
-SIZE, FEW, MANY = 64, 4, 68
+#: Pixels of a side, samples of the short and the long render: on a thread of the processor, on a GPU.
+SIZES = {"CPU": (64, 4, 68), "GPU": (1024, 32, 544)}
 
 
 def processor_time():
@@ -34,13 +35,18 @@ def processor_time():
     return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
-def taken(samples):
-    """Processor seconds of a render."""
+def a_render(device):
+    """Seconds of the long render over those of the short one."""
     from tests.support.blender import scenes
 
-    start = processor_time()
-    scenes.render(SIZE, samples)
-    return processor_time() - start
+    size, *samples = SIZES["GPU" if device else "CPU"]
+    clock = time.perf_counter if device else processor_time
+    taken = []
+    for number in samples:
+        start = clock()
+        scenes.render(size, number)
+        taken.append(clock() - start)
+    return taken[1] - taken[0]
 
 
 def fresh_scene():
@@ -54,7 +60,21 @@ def fresh_scene():
     return scene
 
 
-def costs(table, lamps, rounds):
+def use_device(scene, interface):
+    """Render on all devices of an interface of Cycles."""
+    import bpy
+
+    preferences = bpy.context.preferences.addons["cycles"].preferences
+    preferences.compute_device_type = interface
+    found = [each for each in preferences.get_devices_for_type(interface) if each.type == interface]
+    if not found:
+        sys.exit(f"Cycles has no device of {interface} here.")
+    for each in preferences.get_devices_for_type(interface):
+        each.use = each in found
+    scene.cycles.device = "GPU"
+
+
+def costs(table, lamps, rounds, device=None):
     """Ratios to Principled by material's name."""
     import numpy as np
 
@@ -62,6 +82,8 @@ def costs(table, lamps, rounds):
     from tools.bench.bench_cycles import principled
 
     scene = fresh_scene()
+    if device:
+        use_device(scene, device)
     sphere = scenes.add_sphere(segments=128, rings=64)
     for number in range(lamps):
         turn = 2 * math.pi * number / lamps
@@ -69,6 +91,8 @@ def costs(table, lamps, rounds):
     scenes.add_camera(extent=1.4)
     shown = {"Principled": principled()}
     for name, (implementation, environment) in MATERIALS.items():
+        if implementation == "OSL" and device not in (None, "OPTIX"):
+            continue
         shown[name] = materials.diffracting(sphere, table, implementation, environment=environment)
     seconds = {name: [] for name in shown}
     for _ in range(rounds):
@@ -76,7 +100,7 @@ def costs(table, lamps, rounds):
             sphere.data.materials.clear()
             sphere.data.materials.append(material)
             scene.cycles.shading_system = name.startswith("OSL")
-            seconds[name].append(taken(MANY) - taken(FEW))
+            seconds[name].append(a_render(device))
     plain = np.array(seconds["Principled"])
     return {name: float(np.median(np.array(each) / plain)) for name, each in seconds.items() if name != "Principled"}
 
@@ -112,6 +136,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--lamps", type=int, nargs="+", default=[1, 2, 8])
+    parser.add_argument("--device", choices=["CUDA", "OPTIX", "HIP", "ONEAPI", "METAL"])
     parser.add_argument("--only", choices=["costs", "file"])
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -132,14 +157,15 @@ def main():
         bake(make_preset("snake", 40e-6, 640), parameters).save(table)
         numbers = {}
         for lamps in arguments.lamps if arguments.only != "file" else []:
-            numbers[str(lamps)] = costs(table, lamps, arguments.rounds)
+            numbers[str(lamps)] = costs(table, lamps, arguments.rounds, arguments.device)
             told = ", ".join(f"{name} {ratio:.2f}" for name, ratio in numbers[str(lamps)].items())
-            print(f"{lamps} suns, times Principled: {told}", flush=True)
+            where = f" on {arguments.device}" if arguments.device else ""
+            print(f"{lamps} suns, times Principled{where}: {told}", flush=True)
         if arguments.only != "costs":
             numbers["30 Nodes materials, seconds"] = found = big_file(table)
             told = ", ".join(f"{name} {seconds:.3f} s" for name, seconds in found.items())
             print(f"a lamp with 30 Nodes materials: {told}", flush=True)
-        merge("lights", numbers)
+        merge(f"lights on {arguments.device}" if arguments.device else "lights", numbers)
         sys.stdout.flush()
         os._exit(0)  # Blender as a module may crash at exit
 
