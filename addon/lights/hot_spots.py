@@ -23,6 +23,9 @@ MOST, STANDS_OUT, PART, RADIUS_MAX = 4, 100.0, 0.02, 0.1
 #: Radius (rad) of the sun that EEVEE makes of a studio light, and how far from a spot what is bright belongs to it.
 EEVEE_SUN_RADIUS, ABOUT = math.radians(0.526) / 2.0, 0.3
 
+#: Number of the search: what an older one found is searched for anew.
+_SEARCH = 2
+
 Spot = tuple[float, float, float, float, float]
 
 #: What was found in images of libraries, which cannot keep it themselves, newest last; how many are remembered.
@@ -32,7 +35,7 @@ _LINKED_MOST = 32
 
 def of(image: bpy.types.Image) -> list[Spot]:
     """Spots of an image, brightest first: unit direction x, y, z, radius (rad), irradiance in the image's units."""
-    return _kept(image, KEY, [], lambda pixels: search(pixels.mean(-1)))
+    return _kept(image, KEY, [_SEARCH], lambda pixels: search(pixels.mean(-1)))
 
 
 def eevee_sun(image: bpy.types.Image, threshold: float) -> list[Spot]:
@@ -70,11 +73,21 @@ def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[n
     return spots
 
 
-def search(luminance: np.ndarray) -> list[Spot]:
-    """Spots of an equirectangular picture ``(height, width)``, row 0 at the bottom.
+def search(luminance: np.ndarray, most: int = MOST, part: float = PART) -> list[Spot]:
+    """Spots of an equirectangular picture, brightest first.
 
     From the brightest pixel outwards all that is brighter than a tenth of it belongs to a spot; its axis is the mean
-    by power, its radius that of the smallest cone that holds it.
+    by power, its radius that of the smallest cone that holds it. What touches the cone of a brighter one, as the halo
+    of a sun does, is no spot: two lobes that overlap would count what lies in both twice.
+
+    Parameters
+    ----------
+    luminance
+        ``(height, width)``, row 0 at the bottom.
+    most
+        Regions to look at.
+    part
+        Of all light that a spot has at least.
     """
     height, width = luminance.shape
     power = np.maximum(luminance, 0.0) * _texel_sizes(height, width)[:, None]
@@ -82,24 +95,32 @@ def search(luminance: np.ndarray) -> list[Spot]:
     if not total > 0.0 or not math.isfinite(total):
         return []
     mean, left = total / (4.0 * math.pi), luminance.copy()
+    texel = 0.5 * math.hypot(math.pi / height, 2.0 * math.pi / width)
     found: list[Spot] = []
-    for _ in range(MOST):
+    for _ in range(most):
         row, column = np.unravel_index(int(left.argmax()), left.shape)
         peak = float(left[row, column])
         if peak < STANDS_OUT * mean:
             break
         rows, columns = _region(left, int(row), int(column), 0.1 * peak)
-        part = power[rows, columns]
-        vectors = _directions(rows, columns, height, width)
-        axis = (vectors * part[:, None]).sum(0)
-        axis /= max(float(np.linalg.norm(axis)), 1e-12)
-        texel = 0.5 * math.hypot(math.pi / height, 2.0 * math.pi / width)
-        radius = float(np.arccos(np.clip(vectors @ axis, -1.0, 1.0)).max()) + texel
+        vectors, light = _directions(rows, columns, height, width), power[rows, columns]
         left[rows, columns] = 0.0
-        if radius <= RADIUS_MAX and part.sum() >= PART * total:
-            x, y, z = map(float, axis)
-            found.append((x, y, z, radius, float(part.sum())))
+        spot = _spot(vectors, light, texel)
+        if spot[3] <= RADIUS_MAX and spot[4] >= part * total and not any(_touch(spot, other) for other in found):
+            found.append(spot)
     return sorted(found, key=lambda spot: -spot[4])
+
+
+def _spot(vectors: np.ndarray, light: np.ndarray, texel: float) -> Spot:
+    """The spot of pixels in the directions ``(n, 3)``, each half a `texel` wide (rad), by their light ``(n,)``."""
+    axis = (vectors * light[:, None]).sum(0)
+    axis /= max(float(np.linalg.norm(axis)), 1e-12)
+    x, y, z = map(float, axis)
+    return x, y, z, float(np.arccos(np.clip(vectors @ axis, -1.0, 1.0)).max()) + texel, float(light.sum())
+
+
+def _touch(one: Spot, other: Spot) -> bool:
+    return sum(a * b for a, b in zip(one[:3], other[:3], strict=True)) > math.cos(min(one[3] + other[3], math.pi))
 
 
 def split(pixels: np.ndarray, spots: list[Spot]) -> tuple[np.ndarray, np.ndarray]:

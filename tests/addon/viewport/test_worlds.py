@@ -268,6 +268,40 @@ def test_an_image_of_a_library_is_searched_once(blender, tmp_path, monkeypatch):
     assert hot_spots.of(image) == first
 
 
+def sun_with_halo():
+    """``(128, 256, 3)`` radiance of a small sun whose halo falls with the square of the angle, and of a dim sky."""
+    lat, lon = (np.mgrid[0:128, 0:256] + 0.5) * (np.pi / 128) - [[[0.5 * np.pi]], [[0.0]]]
+    place = np.stack([-np.cos(lat) * np.cos(lon), np.cos(lat) * np.sin(lon), np.sin(lat)], -1)
+    apart = np.arccos(np.clip(place @ (np.array((0.6, -0.6, 0.5)) / np.linalg.norm((0.6, -0.6, 0.5))), -1.0, 1.0))
+    light = np.where(apart < 0.03, 4e4, 4e3 * (0.03 / np.maximum(apart, 0.03)) ** 2) + 0.3
+    return (light[..., None] * (1.0, 0.9, 0.8)).astype(np.float32)
+
+
+def test_a_halo_is_no_sun_of_its_own(blender):
+    """Two lobes about one another counted the light in both: 1.25 times the sun's. Two suns far apart stay two."""
+    from diffraction_shader.addon.lights import hot_spots
+
+    pixels = sun_with_halo()
+    ((x, y, z, radius, _),) = hot_spots.search(pixels.mean(-1))
+    assert np.array((x, y, z)) @ (0.6, -0.6, 0.5) == pytest.approx(np.linalg.norm((0.6, -0.6, 0.5)), abs=1e-3)
+    assert radius < 0.07
+    assert len(hot_spots.search((pixels + pixels[:, ::-1]).mean(-1))) == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("implementation", ["OSL", "NODES"])
+def test_a_sun_with_a_halo_in_cycles(renderer, ball, tmp_path, implementation):
+    """As the viewport, which numpy's sums prove (test_hdri), shows it."""
+    materials.diffracting(ball, tmp_path / "t.exr", implementation, fresnel="NONE", environment=4)
+    picture_world(sun_with_halo())
+    bpy.context.view_layer.update()
+    wanted = drawing.mean_of_many(renderer, 16)[middle(16)].mean(0)
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.shading_system = "CYCLES", True
+    shown = scenes.render(16, samples=128, centred=True)[middle(16)].mean(0)
+    assert shown == pytest.approx(wanted, rel=0.03)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["forest.exr", "interior.exr", "city.exr"])
 def test_eevee_shows_an_image_with_bright_places_as_cycles_does(renderer, ball, tmp_path, name):
