@@ -141,7 +141,7 @@ def test_studio_lights_of_blender(renderer, tmp_path, snake, wide):
     pictures = {name: pixels for name in STUDIOS if (pixels := studio_pixels(name)) is not None}
     if not pictures:
         pytest.skip("this Blender brings no studio lights")
-    ball, at = scene_with(path), chosen(every=1)
+    ball, at = scene_with(path), chosen(every=2)
     wanted = summed(table, ball, at, pictures, *((400, 360) if wide else (700, 900)))
     for name, rgb in pictures.items():
         picture_world(rgb)
