@@ -16,6 +16,8 @@ from typing import Any
 
 import bpy
 
+_SOCKET = bpy.types.NodeSocket
+
 #: Nodes whose sockets come with an update.
 GROUPS = {"ShaderNodeGroup", "NodeGroupInput", "NodeGroupOutput"}
 
@@ -95,9 +97,8 @@ def make(work: Callable[[], Any]) -> Any:
             current = None
         if not all(_is_there(each) for pair in batch.waiting for each in pair):
             _bring_up_to_date(batch)
-        _within_update(lambda: _put_all(batch.waiting))
+        _put_all(batch)
         _put_in_place(batch)
-        _bring_up_to_date(batch)
     except BaseException:
         for tree in batch.trees.values():  # half a group is none: `node_graph.shared_group` makes an empty one anew
             tree.nodes.clear()
@@ -133,7 +134,7 @@ def put(socket: Any, value: Any) -> None:
     if isinstance(socket, Later) or isinstance(value, Later):
         assert current is not None, "a socket of a batch that is over"
         current.waiting.append((socket, value))
-    elif isinstance(value, bpy.types.NodeSocket):
+    elif isinstance(value, _SOCKET):
         tree: Any = socket.id_data
         tree.links.new(value, socket)
     elif socket.type == "RGBA" and not isinstance(value, float):
@@ -142,10 +143,27 @@ def put(socket: Any, value: Any) -> None:
         socket.default_value = value
 
 
-def _put_all(waiting: list[tuple[Any, Any]]) -> bool:
-    for socket, value in waiting:
-        put(_found(socket), _found(value))
-    return True
+def _put_all(batch: Batch) -> None:
+    """Make what was waiting, and leave all trees up to date.
+
+    Blender brings all of them up to date in one go when the tree of `_within_update` goes, in a tenth of the time that
+    one after the other takes. A tree that changes with them tells whether it did: a root has one socket, a sum two.
+    """
+    witness: Any = bpy.data.node_groups.new("Diffraction witness", "ShaderNodeTree")
+    try:
+        node: Any = witness.nodes.new("ShaderNodeMath")
+
+        def work() -> bool:
+            for socket, value in batch.waiting:
+                put(_found(socket), _found(value))
+            node.operation = "SQRT"
+            return True
+
+        _within_update(work)
+        if node.inputs[1].enabled:
+            _bring_up_to_date(batch)
+    finally:
+        bpy.data.node_groups.remove(witness)
 
 
 def _found(socket: Any) -> Any:
