@@ -99,7 +99,7 @@ def test_a_file_that_was_mended_is_read_again(applied):
 
 
 def test_an_image_that_was_painted_over_is_read_again(applied):
-    path, apply = applied
+    _, apply = applied
     apply("OSL")
     image = images()[0]
     before = values(image)
@@ -164,7 +164,7 @@ def test_a_linked_image_stays_the_librarys(applied, tmp_path):
 
 def test_the_packed_table_stays_where_its_file_is_gone(applied, tmp_path):
     """A .blend that travelled alone: Apply takes what it holds."""
-    path, apply = applied
+    _, apply = applied
     apply()
     table = images()[0].packed_file.data
     bpy.data.materials["m"].use_fake_user = True
