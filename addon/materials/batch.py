@@ -66,11 +66,14 @@ class Batch:
         Socket and what it takes, where one of them is `Later`.
     places
         Of new nodes, by their pointers.
+    linked
+        Pointers of the inputs that have a link.
     """
 
     trees: dict[str, bpy.types.NodeTree] = field(default_factory=dict)
     waiting: list[tuple[Any, Any]] = field(default_factory=list)
     places: dict[int, tuple[float, float]] = field(default_factory=dict)
+    linked: set[int] = field(default_factory=set)
 
 
 #: The batch that is being made; None: every change is brought up to date by itself.
@@ -88,13 +91,9 @@ def make(work: Callable[[], Any]) -> Any:
     global current
     if current is not None:
         return work()
-    batch = Batch()
+    batch = current = Batch()
     try:
-        current = batch
-        try:
-            made = _within_update(work)
-        finally:
-            current = None
+        made = _within_update(work)
         if not all(_is_there(each) for pair in batch.waiting for each in pair):
             _bring_up_to_date(batch)
         _put_all(batch)
@@ -103,6 +102,8 @@ def make(work: Callable[[], Any]) -> Any:
         for tree in batch.trees.values():  # half a group is none: `node_graph.shared_group` makes an empty one anew
             tree.nodes.clear()
         raise
+    finally:
+        current = None
     return made
 
 
@@ -135,12 +136,21 @@ def put(socket: Any, value: Any) -> None:
         assert current is not None, "a socket of a batch that is over"
         current.waiting.append((socket, value))
     elif isinstance(value, _SOCKET):
-        tree: Any = socket.id_data
-        tree.links.new(value, socket)
+        _link(socket, value)
     elif socket.type == "RGBA" and not isinstance(value, float):
         socket.default_value = (*value, 1.0) if len(value) == 3 else value
     else:
         socket.default_value = value
+
+
+def _link(socket: Any, value: Any) -> None:
+    """Blender counts the links of a socket before it adds one, among all of the tree; a new one has none."""
+    tree: Any = socket.id_data
+    if current is None or (pointer := socket.as_pointer()) in current.linked:
+        tree.links.new(value, socket)
+    else:
+        tree.links.new(value, socket, verify_limits=False)
+        current.linked.add(pointer)
 
 
 def _put_all(batch: Batch) -> None:
