@@ -317,7 +317,7 @@ class Renderer:
         replaces = view.surface == "REPLACE"
         for item in listing.items:
             if item.uid != bound:
-                bound = item.uid
+                bound, facing = item.uid, ""  # what has to be copied first is drawn from both sides
                 shader, textures = self._bind(item.material, view, shared, lights, wait)
                 read.append(textures)
                 if shader is not None:
