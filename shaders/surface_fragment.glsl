@@ -116,7 +116,9 @@ void main()
 #endif
     if (df_gathering.z < 1.0)
         gathered = mix(texelFetch(df_gathered, ivec2(gl_FragCoord.xy), 0).rgb, gathered, df_gathering.z);
-    out_colour = vec4(gathered, 1.0);
+    // To the nearest half float here: what cuts the rest off makes each drawing darker, 64 of them 1 %.
+    uvec3 bits = floatBitsToUint(gathered);
+    out_colour = vec4(uintBitsToFloat((bits + 0xFFFu + ((bits >> 13u) & 1u)) & ~0x1FFFu), 1.0);
 #else
     for (int i = 0; i < LAMPS; i++) {
         DiffractionLamp lamp = df_frame.lamps[i];

@@ -147,6 +147,7 @@ class Renderer:
         asks: Manners = PLAIN,
         around: Surroundings | None = None,
         moved: tuple[float, float] = (0.0, 0.0),
+        together: int = 1,
         gathers: Hashable | None = None,
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
@@ -172,8 +173,10 @@ class Renderer:
         around
             What surrounds the scene; None: its world.
         moved
-            Of a picture that is the mean of several drawings: where this one looks into the surroundings, see
-            `blocks.Frame`.
+            Of a picture that is the mean of several drawings: where this one looks into the surroundings, one of
+            `gathering.moves`.
+        together
+            How many drawings that picture is the mean of.
         gathers
             Key of a view that is drawn again and again and gathers light of the surroundings while it stands still;
             None: this is a picture of its own.
@@ -186,7 +189,7 @@ class Renderer:
             listing = self._listing(depsgraph, visible, list_key, "OTHERS" if skips else "ALL")
             count = self._draw(
                 listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around,
-                moved, gathers,
+                moved, together, gathers,
             )  # fmt: skip
             if skips and around is not None and around.sky is not None and around.sun_above > 0.0:
                 nodes = self._listing(depsgraph, visible, list_key, "NODES")
@@ -211,7 +214,7 @@ class Renderer:
     def _draw(
         self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
         view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
-        moved: tuple[float, float], gathers: Hashable | None,
+        moved: tuple[float, float], together: int, gathers: Hashable | None,
     ) -> int:  # fmt: skip
         import gpu
 
@@ -231,7 +234,7 @@ class Renderer:
         frame = blocks.Frame(
             view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
             clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None, moved=moved,
-            width=gpu.state.viewport_get()[2],
+            together=together, width=gpu.state.viewport_get()[2],
         )  # fmt: skip
         # What shines through adds up, of which a mean of what lies in front knows nothing.
         mean = None
@@ -283,13 +286,15 @@ class Renderer:
         import gpu
 
         x, y, width, height = gpu.state.viewport_get()
-        total = gathering.DIRECTIONS // SKY_POINTS[view.points]
+        directions = SKY_POINTS[view.points]
+        total = max(1, gathering.DIRECTIONS // directions)
         held = self.gathering.of(key, (width, height), (state, x, y), total)
         if held is None:
             return None
-        without = replace(frame, lamps=frame.lamps[:0], display=False)
+        without = replace(frame, lamps=frame.lamps[:0], display=False, together=total)
+        moves = gathering.moves(total, directions)
         for place, number in enumerate(held.due()):
-            uniform = self._uniform(("gathered", place), replace(without, moved=gathering.moved(number)).rows())
+            uniform = self._uniform(("gathered", place), replace(without, moved=moves[number]).rows())
             target, before = held.begin()
             with target.bind(), _state("NONE", writes_depth=True):
                 gpu.state.active_framebuffer_get().clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)
@@ -312,7 +317,7 @@ class Renderer:
         replaces = view.surface == "REPLACE"
         for item in listing.items:
             if item.uid != bound:
-                bound = item.uid
+                bound, facing = item.uid, ""  # what has to be copied first is drawn from both sides
                 shader, textures = self._bind(item.material, view, shared, lights, wait)
                 read.append(textures)
                 if shader is not None:
