@@ -91,17 +91,18 @@ def aimed() -> bpy.types.NodeTree:
     s = graph.math("SINE", graph.product(cone, 0.5))
     of_whole = graph.product(s, s, graph.choose(is_far, 1.0, gain), 4.0 * math.pi)
 
-    aim = graph.mix(is_narrow, lamp.axis, to)
+    # Of what is not told by the list alone EEVEE shall make nothing.
+    aim = graph.mix(is_narrow, lamp.axis, _not_in_eevee(graph, to))
     whole_cosine = graph.math("COSINE", cone)
     has_whole = graph.product(is_whole, lamp.is_on)
 
     def outside(drawn: Socket) -> Socket:
         cosine = graph.scalar("DOT_PRODUCT", drawn, lamp.axis)
-        within_whole = graph.product(has_whole, graph.math("GREATER_THAN", cosine, whole_cosine))
+        beside_whole = graph.choose(has_whole, 1.0, graph.math("LESS_THAN", cosine, whole_cosine))
         within_narrow = graph.math("GREATER_THAN", cosine, graph.math("COSINE", radius))
         within_area = holds(graph, drawn, lamp, low, high)
         within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
-        return graph.difference(graph.difference(1.0, within_whole), within)
+        return graph.difference(beside_whole, within)
 
     outputs: dict[str, Value] = {
         "To": to, "Aim": aim, "Width": graph.choose(is_narrow, cone, width),
@@ -113,6 +114,12 @@ def aimed() -> bpy.types.NodeTree:
     for name, socket in outputs.items():
         graph.put(out.inputs[name], socket)
     return tree
+
+
+def _not_in_eevee(graph: Graph, vector: Socket) -> Socket:
+    """A vector in Cycles, 0 in EEVEE, see `Graph.for_cycles`."""
+    parts = graph.split(graph.scaled(vector, 0.01))
+    return graph.join(*(graph.for_cycles(each) for each in parts))
 
 
 def _narrow_width(graph: Graph, given: Any, lamp: Seen) -> Socket:
