@@ -74,6 +74,7 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
 
     grey = grey_of(graph, rgb)
     plain = graph.product(plain, weight)
+
     def is_dim(gain: Socket) -> Socket:
         return graph.math("LESS_THAN", graph.product(grey, gain), WEIGHT_MIN)
 

@@ -93,7 +93,7 @@ def guard(
 
 
 def _arsinh(graph: Graph, x: Socket, x2: Socket, scale: float, per_unit: float, less: float = 0.0) -> Socket:
-    """per_unit (arsinh(x / scale) - less), from x and its square: the logarithm's base and argument bring the numbers."""
+    """per_unit (arsinh(x / scale) - less), from x and its square: base and argument of the logarithm bring the rest."""
     k = math.exp(-less) / scale
     root = graph.math("SQRT", graph.fused(x2, k * k, math.exp(-2.0 * less)))
     return graph.math("LOGARITHM", graph.fused(x, k, root), math.exp(1.0 / per_unit))
