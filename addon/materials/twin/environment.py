@@ -64,6 +64,22 @@ def one_of_two(graph: Graph, drawn: Any, again: Any, outside: tuple[Value, Value
     return chosen, factor
 
 
+def grey_of_plain(graph: Graph, drawn: Any) -> Socket:
+    """Mean of the channels of f cos in a drawn direction, without albedos."""
+    grey = graph.scalar("DOT_PRODUCT", drawn["RGB"], (1.0 / 3.0,) * 3)
+    return graph.product(grey, graph.quotient(drawn["Weight"], drawn["Solid"]))
+
+
+def left(graph: Graph, outside: Value, around: Value, of_lobe: Value, grey: Value) -> Socket:
+    """The part of a drawn direction that a lamp's lobe leaves: beside the lamp, what f cos is more than in the lobe.
+
+    A lobe answers all that shines within its cone by f cos towards the lamp. Of a mirror that is next to nothing about
+    a lamp's image: what surrounds the lamp would be missing there, a dark rim.
+    """
+    more = graph.difference(1.0, graph.quotient(of_lobe, grey))
+    return graph.math("MAXIMUM", outside, graph.product(around, more))
+
+
 def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
     """Group (random numbers) -> direction, half vector of any length, colour and its factor, solid angle drawn.
 

@@ -46,7 +46,7 @@ def grey_of(graph: Graph, rgb: Socket) -> Socket:
 
 
 def in_cycles(parts: Parts) -> bpy.types.NodeTree:
-    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe.
+    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe, and f cos within it, grey.
 
     Cycles steps over what a Mix Shader's factor leaves out, and over nothing else. So there are three lobes: a plain
     one, one where albedos may pass 1, and one for diffuse rays and dim lobes.
@@ -55,7 +55,7 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
         "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Narrow": _FLOAT, "On": _FLOAT,
         "Hits": _FLOAT, "Chance": _FLOAT,
     }  # fmt: skip
-    surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER})
+    surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER, "Grey": _FLOAT})
     graph = surface.graph
     rgb, plain, finished, is_more = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
     # What stands in a whole lobe's cone is that lobe's; whole lobes that hold each other's lamps share.
@@ -73,6 +73,7 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
         return node.outputs[0]
 
     grey = grey_of(graph, rgb)
+    graph.put(output.inputs["Grey"], graph.product(grey, plain))
     plain = graph.product(plain, weight)
 
     def is_dim(gain: Socket) -> Socket:
