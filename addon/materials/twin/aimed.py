@@ -55,9 +55,9 @@ def aimed() -> bpy.types.NodeTree:
     """Group of a slot.
 
     Direction to a random point, direction and half-angle of the lobe, what f cos is to be multiplied by, which part of
-    it evens out the solid angle of points, cosine of a whole lobe (2 where there is none), whether it is a narrow one, whether there is a lamp, and 1 where the direction
-    ``Drawn`` from the environment is not left to it, or where it lies in a whole lobe's cone beside the lamp; the same
-    of another one, ``Drawn Again``.
+    it evens out the solid angle of points, cosine of a whole lobe (2 where there is none), whether it is a narrow one,
+    whether there is a lamp, and 1 where the direction ``Drawn`` from the environment is not left to it, or where it
+    lies in a whole lobe's cone beside the lamp; the same of another one, ``Drawn Again``.
     """
     tree = new_group("Diffraction lobe of a lamp")
     interface(tree, {name: (kind, None) for name, kind in (lamp_nodes.OUTPUTS | _INPUTS).items()}, OUTPUTS)

@@ -46,7 +46,7 @@ def grey_of(graph: Graph, rgb: Socket) -> Socket:
 
 
 def in_cycles(parts: Parts) -> bpy.types.NodeTree:
-    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe, and f cos within it, grey.
+    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe, and f cos in it, grey.
 
     Cycles steps over what a Mix Shader's factor leaves out, and over nothing else. So there are three lobes: a plain
     one, one where albedos may pass 1, and one for diffuse rays and dim lobes.
