@@ -57,14 +57,8 @@ class Copied(Drive):
             for name in ("co", "handle_left", "handle_right", *_OF_KEYS):
                 setattr(new, name, getattr(old, name))
         made.extrapolation, made.auto_smoothing = self.curve.extrapolation, self.curve.auto_smoothing
-        for old in self.curve.modifiers:
-            new = made.modifiers.new(old.type)
-            for name, value in _settings(old):
-                setattr(new, name, value)
-            if old.type == "ENVELOPE":
-                for point in old.control_points:
-                    other = new.control_points.add(point.frame)
-                    other.min, other.max = point.min, point.max
+        for modifier in self.curve.modifiers:
+            _copy_modifier(modifier, made.modifiers.new(modifier.type))
         made.update()
 
 
@@ -78,6 +72,14 @@ def _settings(struct: Any) -> Iterator[tuple[str, Any]]:
         if not each.is_readonly and each.identifier not in _KEPT and each.type != "COLLECTION":
             value = getattr(struct, each.identifier)
             yield each.identifier, tuple(value) if getattr(each, "is_array", False) else value
+
+
+def _copy_modifier(old: Any, new: Any) -> None:
+    for name, value in _settings(old):
+        setattr(new, name, value)
+    for point in getattr(old, "control_points", ()):
+        other = new.control_points.add(point.frame)
+        other.min, other.max = point.min, point.max
 
 
 def _copy_driver(old: Any, new: Any) -> None:
@@ -115,7 +117,7 @@ def signature(curve: Any) -> Hashable:
     return keys, curve.extrapolation, modifiers, told.type, told.expression, told.use_self, variables
 
 
-def curve_of(owner: bpy.types.ID, path: str) -> Any:
+def curve_of(owner: Any, path: str) -> Any:
     """The F-curve or driver of a data-block's setting, None where it has none."""
     found = owner.animation_data
     if found is None:
@@ -124,7 +126,7 @@ def curve_of(owner: bpy.types.ID, path: str) -> Any:
     return next((curve for curve in curves if curve.data_path == path and not curve.mute), None)
 
 
-def is_mixed(owner: bpy.types.ID) -> bool:
+def is_mixed(owner: Any) -> bool:
     """Whether strips or parts of an action move a data-block, which no single curve tells."""
     found = owner.animation_data
     if found is None:
@@ -134,7 +136,7 @@ def is_mixed(owner: bpy.types.ID) -> bool:
     )
 
 
-def bags(owner: bpy.types.ID) -> list[bpy.types.ActionChannelbag]:
+def bags(owner: Any) -> list[bpy.types.ActionChannelbag]:
     """Where an action holds the curves of a data-block."""
     animation = owner.animation_data
     if animation is None or animation.action is None or animation.action_slot is None:
