@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import tempfile
+import uuid
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -14,9 +17,71 @@ from . import colour_spaces
 _PREVIEW_SIDE = 320
 
 
-def show(
-    context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = False, small: np.ndarray | None = None
-) -> bpy.types.Image:
+@dataclass(frozen=True)
+class Picture:
+    """A picture in a file.
+
+    Parameters
+    ----------
+    path
+        The file, a PNG or an EXR; it is removed when an image was made of it.
+    small
+        ``(height, width, 3)`` display values for the panel, row 0 at the bottom; the picture itself where None.
+    linear
+        Whether the file holds linear Rec.709, not display values (sRGB).
+    """
+
+    path: Path
+    small: np.ndarray | None = None
+    linear: bool = False
+
+
+def scratch_folder() -> Path:
+    """Where `written` puts files; to be asked for in the main thread."""
+    return Path(bpy.app.tempdir or tempfile.gettempdir())
+
+
+def written(folder: Path, rgb: np.ndarray, linear: bool = False, small: np.ndarray | None = None) -> Picture:
+    """A picture for `show_file`; touches nothing of Blender, so that a thread may do it.
+
+    To compress a million pixels takes a tenth of a second, for which a window would wait.
+
+    Parameters
+    ----------
+    folder
+        Of the file, see `scratch_folder`.
+    rgb
+        ``(height, width, 3)``, row 0 at the bottom: display values (sRGB), or linear Rec.709.
+    linear
+        Which of the two.
+    small
+        For the panel, display values; the picture itself where it is left out.
+
+    Raises
+    ------
+    OutputError
+        If it cannot be written.
+    """
+    from ..precompute.files.images import write_exr, write_png
+
+    path = folder / f"diffraction_{uuid.uuid4().hex}{'.exr' if linear else '.png'}"
+    write = write_exr if linear else write_png
+    write(path, rgb)
+    return Picture(path, _reduced(rgb if small is None else small), linear)
+
+
+def show(context: bpy.types.Context, name: str, rgb: np.ndarray, linear: bool = False) -> bpy.types.Image:
+    """`show_file` of what is `written` now.
+
+    Raises
+    ------
+    OutputError
+        If the folder of temporary files cannot be written.
+    """
+    return show_file(context, name, written(scratch_folder(), rgb, linear))
+
+
+def show_file(context: bpy.types.Context, name: str, picture: Picture) -> bpy.types.Image:
     """Make or replace an image data-block and show it in an image editor, if one is open.
 
     Parameters
@@ -25,66 +90,45 @@ def show(
         Where to look for an image editor.
     name
         Of the image; one of that name is replaced.
-    rgb
-        ``(height, width, 3)``, row 0 at the bottom: display values (sRGB), or linear Rec.709.
-    linear
-        Which of the two.
-    small
-        For the panel, as `rgb`; the picture itself where it is left out.
+    picture
+        Its file is removed.
     """
-    height, width, _ = rgb.shape
-    image = bpy.data.images.get(name)
-    if image is not None and (tuple(image.size) != (width, height) or image.is_float != linear or image.library):
-        bpy.data.images.remove(image)
-        image = None
-    if image is None:
-        image = bpy.data.images.new(name, width, height, alpha=False, float_buffer=linear)
-        image.name = name
-    colour_spaces.set_picture(image, linear)
-    pixels = _opaque(rgb)
-    image.pixels.foreach_set(pixels.ravel())
-    image.update()
-    image.pack()  # it has no file: without this a saved .blend would forget it
-    _set_preview(image, pixels if small is None else _opaque(small))
-    _into_editor(context, image)
-    return image
-
-
-def show_file(context: bpy.types.Context, name: str, path: Path, small: np.ndarray | None = None) -> bpy.types.Image:
-    """The same for a picture in a file, which is removed."""
     old = bpy.data.images.get(name)
-    image = bpy.data.images.load(str(path), check_existing=False)
+    image = bpy.data.images.load(str(picture.path), check_existing=False)
     image.pack()
     if old is not None:
         old.user_remap(image)
         bpy.data.images.remove(old)
     image.name = name
     image.filepath = ""
-    path.unlink(missing_ok=True)
+    picture.path.unlink(missing_ok=True)
+    colour_spaces.set_picture(image, picture.linear)
+    small = picture.small
     if small is None:
         pixels = np.empty(len(image.pixels), np.float32)
         image.pixels.foreach_get(pixels)
-        _set_preview(image, pixels.reshape(image.size[1], image.size[0], -1))
-    else:
-        _set_preview(image, _opaque(small))
+        small = pixels.reshape(image.size[1], image.size[0], -1)[..., :3]
+    _set_preview(image, _reduced(small))
     _into_editor(context, image)
     return image
 
 
-def _opaque(rgb: np.ndarray) -> np.ndarray:
-    pixels = np.ones((*rgb.shape[:2], 4), np.float32)
-    pixels[..., :3] = rgb
-    return pixels
+def _reduced(rgb: np.ndarray) -> np.ndarray:
+    """The mean of squares of pixels, so that no side is longer than a preview's."""
+    step = max(1, -(-max(rgb.shape[:2]) // _PREVIEW_SIDE))
+    if step == 1:
+        return rgb
+    height, width = (count // step * step for count in rgb.shape[:2])
+    return rgb[:height, :width].reshape(height // step, step, width // step, step, -1).mean(axis=(1, 3))
 
 
-def _set_preview(image: bpy.types.Image, pixels: np.ndarray) -> None:
+def _set_preview(image: bpy.types.Image, rgb: np.ndarray) -> None:
     """Preview for the panel; Blender would keep the one of the picture that was there before."""
-    step = max(1, -(-max(pixels.shape[:2]) // _PREVIEW_SIDE))
-    height, width = (count // step * step for count in pixels.shape[:2])
-    small = pixels[:height, :width].reshape(height // step, step, width // step, step, -1).mean(axis=(1, 3))
+    small = np.ones((*rgb.shape[:2], 4), np.float32)
+    small[..., :3] = np.clip(rgb, 0.0, 1.0)
     preview = image.preview_ensure()
     preview.image_size = (small.shape[1], small.shape[0])
-    preview.image_pixels_float.foreach_set(np.ascontiguousarray(np.clip(small, 0.0, 1.0), np.float32).ravel())
+    preview.image_pixels_float.foreach_set(small.ravel())
 
 
 def _into_editor(context: bpy.types.Context, image: bpy.types.Image) -> None:

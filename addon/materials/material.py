@@ -13,7 +13,8 @@ from ...precompute.errors import ParameterError, TableError
 from ...precompute.table import importance
 from ...precompute.table.layout import TableLayout
 from ...precompute.table.table import read_sidecar
-from .. import colour_spaces, paths
+from .. import paths
+from ..tables import table_image
 from ..versions import give_nodes, tells_mirrored_uv
 from . import osl, pigment, setup, travel
 from .node import eevee_output, frame, group, keys
@@ -99,37 +100,35 @@ def table_path(material: bpy.types.Material) -> Path:
     return paths.absolute(known[keys.TABLE], known.library)
 
 
-def atlas_image(path: Path) -> bpy.types.Image:
-    """The image data-block of a table's atlas.
+def atlas_image(path: Path, content: str) -> bpy.types.Image:
+    """The image data-block of a table's atlas, or of its image of directions.
 
     OSL reads the file by name; the data-block makes it known to Blender's path tools and to farm
     packers, and the fake user keeps it.
+
+    Parameters
+    ----------
+    path
+        The image's file.
+    content
+        Hash of the table.
     """
     for image in bpy.data.images:
         if image.library is None and paths.absolute(image.filepath) == path:
-            if image.packed_file is not None:
-                image.unpack(method="REMOVE")  # a packed image would reload its old self
-            image.reload()
-            break
+            table_image.bring_up_to_date(image, path, content)
+            return image
         if image.library is None and image.packed_file is not None and travel.unpacked_place(image) == path:
             return image  # its file is a copy made from it
-    else:
-        image = bpy.data.images.load(str(path), check_existing=False)
-    image.name = path.stem
-    colour_spaces.set_data(image)
-    image.alpha_mode = "NONE"
-    image.use_fake_user = True
-    image.filepath = paths.relative(path)
-    return image
+    return table_image.load(path, content)
 
 
-def importance_image(path: Path) -> tuple[bpy.types.Image, float]:
+def importance_image(path: Path, content: str) -> tuple[bpy.types.Image, float]:
     """The image that directs rays into the environment, beside the table, and the table's albedo-free cosine.
 
     A bake in Blender has made it; for tables from elsewhere it is made here.
     """
     target, albedo_free = importance.ensure_importance(path)
-    return atlas_image(target), albedo_free
+    return atlas_image(target, content), albedo_free
 
 
 def apply(material: bpy.types.Material, table: str | Path, settings: Settings) -> bpy.types.Material:
@@ -195,10 +194,12 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
-    image = atlas_image(path)
-    directions, albedo_free = importance_image(path)
+    content = sidecar["atlas"]["sha256"]
+    image = atlas_image(path, content)
+    directions, albedo_free = importance_image(path, content)
     if settings.implementation == "NODES":
-        directions.use_half_precision = False  # EEVEE would keep edges of a density in ten bits
+        if directions.use_half_precision:
+            directions.use_half_precision = False  # EEVEE would keep edges of a density in ten bits
         for each in (image, directions):
             if each.packed_file is None:
                 each.pack()

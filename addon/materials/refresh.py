@@ -55,9 +55,5 @@ def refresh(path: Path, made: str) -> None:
     travel.note_recipe(path, made)
     for material in materials.our_materials():
         if travel.home(material) == path:
-            packed = travel.is_packed(material)
             materials.set_table(material, path)
-            if packed:
-                for image in travel.images_of(material):
-                    image.pack()
             travel.sync(group.owner(material))

@@ -36,6 +36,7 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
         """Load and evaluate, away from Blender."""
         take(self, context.scene.diffraction, ("theta", "phi", "size", "linear"), "map_")
         path = paths.absolute(context.scene.diffraction.table_path)
+        folder = pictures.scratch_folder()
         theta, phi, size, linear = decimal(self.theta), decimal(self.phi), self.size, self.linear
 
         def work(progress: Progress) -> Any:
@@ -50,14 +51,15 @@ class DIFFRACTION_OT_brdf_map(Threaded, bpy.types.Operator):
             xyz = brdf_map(table, from_angles(theta, phi), size)
             progress("convert", 0.8)
             illuminant = table.light
-            return xyz_to_rgb(xyz, illuminant=illuminant) if linear else map_to_srgb(xyz, None, illuminant)
+            rgb = xyz_to_rgb(xyz, illuminant=illuminant) if linear else map_to_srgb(xyz, None, illuminant)
+            return pictures.written(folder, rgb, linear)
 
         return [Job(work)]
 
     def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The map becomes an image."""
         name = f"BRDF {paths.absolute(context.scene.diffraction.table_path).stem}"
-        pictures.show(context, name, results[0], self.linear)
+        pictures.show_file(context, name, results[0])
         context.scene.diffraction.map_image = name
         return f"The image '{name}' shows the map; open it in an image editor"
 

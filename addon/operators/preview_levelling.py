@@ -44,6 +44,7 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
         take(self, context.scene.diffraction, bake_settings.LEVELLING)
         source, reading = scan_store.bake_source(context.scene)
         chosen = replace(bake_settings.parameters(context.scene.diffraction), **bake_settings.levelling(self))
+        folder = pictures.scratch_folder()
 
         def work(progress: Progress) -> Any:
             from ...precompute.readers import read_scan
@@ -55,16 +56,17 @@ class DIFFRACTION_OT_preview_levelling(Threaded, bpy.types.Operator):
             progress("level", 0.2)
             after = prepare(before, chosen)
             progress("draw", 0.5)
-            picture, small = levelling_picture(before, after), levelling_thumbnail(before, after)
+            large, small = levelling_picture(before, after), levelling_thumbnail(before, after)
             progress("done", 1.0)
-            return picture, small, [step["warning"] for step in after.processing if step.get("warning")]
+            picture = pictures.written(folder, large, small=small)
+            return picture, [step["warning"] for step in after.processing if step.get("warning")]
 
         return [Job(work)]
 
     def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The picture becomes an image."""
-        ((picture, small, warnings),) = results
-        pictures.show(context, IMAGE, picture, small=small)
+        ((picture, warnings),) = results
+        pictures.show_file(context, IMAGE, picture)
         for warning in warnings:
             self.report({"WARNING"}, warning)
         return f"The image '{IMAGE}' shows the heights; open it in an image editor"

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import math
-import tempfile
-from pathlib import Path
 from typing import Any
 
 import bpy
@@ -46,7 +44,7 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
         source, reading = scan_store.bake_source(context.scene)
         chosen = bake_settings.parameters(context.scene.diffraction)
         theta, order = decimal(self.theta), self.order
-        folder = Path(bpy.app.tempdir or tempfile.gettempdir())
+        folder = pictures.scratch_folder()
 
         def work(progress: Progress) -> Any:
             from ...precompute.errors import ParameterError
@@ -71,14 +69,15 @@ class DIFFRACTION_OT_reflectance(Threaded, bpy.types.Operator):
             peaks, periods = reflectance.estimated_periods(plane, values)
             progress("draw", 0.9)
             path = save_plot(folder / "diffraction_reflectance.png", plane, values, peaks, period)
-            return path, small_plot(plane, values, period), float(periods.mean()), float(periods.std()), period
+            picture = pictures.Picture(path, small_plot(plane, values, period))
+            return picture, float(periods.mean()), float(periods.std()), period
 
         return [Job(work)]
 
     def finished(self, context: bpy.types.Context, results: list[Any]) -> str:
         """The plot becomes an image."""
-        ((path, small, mean, spread, period),) = results
-        pictures.show_file(context, IMAGE, path, small)
+        ((picture, mean, spread, period),) = results
+        pictures.show_file(context, IMAGE, picture)
         text = f"Period by the colours {mean * 1e9:.1f} nm (spread {spread * 1e9:.1f} nm), by the heights "
         context.scene.diffraction.plot_result = text + f"{period * 1e9:.1f} nm"
         return context.scene.diffraction.plot_result

@@ -42,11 +42,11 @@ def plain_cube() -> np.ndarray:
     """``(side, side, side, 3)``, blue first: clipped and encoded as sRGB, for the time until the scene's is made."""
     from ....precompute.light.colour import encode_srgb
 
-    return encode_srgb(_colours(0.0))
+    return _cube(encode_srgb(axis()))
 
 
-def _colours(exposure: float) -> np.ndarray:
-    values = axis(exposure)
+def _cube(values: np.ndarray) -> np.ndarray:
+    """``(side, side, side, 3)`` colours that have these values along each edge."""
     blue, green, red = np.meshgrid(values, values, values, indexing="ij")
     return np.stack([red, green, blue], -1)
 
@@ -55,7 +55,7 @@ def make_cube(scene: bpy.types.Scene) -> np.ndarray:
     """``(side, side, side, 3)`` display values of scene-linear colours, blue first. Not to be called while drawing."""
     side = DISPLAY_SIDE
     colours = np.ones((side, side, side, 4), np.float32)
-    colours[..., :3] = _colours(scene.view_settings.exposure)
+    colours[..., :3] = _cube(axis(scene.view_settings.exposure))
     saved = save_as_render(colours.reshape(side, side * side, 4), scene)
     return saved.reshape(side, side, side, 4)[..., :3]
 
@@ -64,7 +64,7 @@ def save_as_render(pixels: np.ndarray, scene: bpy.types.Scene) -> np.ndarray:
     """Display values ``(rows, cols, 4)`` of scene-linear pixels under a scene's colour management."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "picture.png"
-        write_as_render(pixels, scene, path, "PNG", "16")
+        write_as_render(pixels, scene, path, "PNG", "16", compression=0)  # it is read at once
         image = bpy.data.images.load(str(path))
         try:
             colour_spaces.set_data(image)
@@ -76,9 +76,13 @@ def save_as_render(pixels: np.ndarray, scene: bpy.types.Scene) -> np.ndarray:
 
 
 def write_as_render(
-    pixels: np.ndarray, scene: bpy.types.Scene, path: Path, file_format: str, depth: str, transparent: bool = False
-) -> None:
-    """Write scene-linear pixels ``(rows, cols, 4)``, row 0 at the bottom, as a render of the scene would be written."""
+    pixels: np.ndarray, scene: bpy.types.Scene, path: Path, file_format: str, depth: str, transparent: bool = False,
+    compression: int | None = None,
+) -> None:  # fmt: skip
+    """Write scene-linear pixels ``(rows, cols, 4)``, row 0 at the bottom, as a render of the scene would be written.
+
+    `compression` is a PNG's, in percent; None: Blender's own.
+    """
     rows, cols, _ = pixels.shape
     image = bpy.data.images.new("diffraction picture", cols, rows, alpha=True, float_buffer=True)
     # Another scene lends its output settings: those of the user's must not even change for a moment.
@@ -92,6 +96,8 @@ def write_as_render(
         settings.color_mode = "RGBA" if transparent and file_format != "JPEG" else "RGB"
         if file_format in {"PNG", "TIFF", "OPEN_EXR"}:
             settings.color_depth = depth
+        if compression is not None:
+            settings.compression = compression
         lender.render.dither_intensity = 0.0
         image.save_render(str(path), scene=lender)
     finally:
@@ -158,14 +164,22 @@ class Display:
         if self._waiting:
             return
         self._waiting = True
-        name = scene.name_full
+        name, prepared = scene.name_full, False
 
-        def make() -> Any:
+        def make() -> float | None:
+            nonlocal prepared
             self._waiting = False
             found = next((s for s in bpy.data.scenes if s.name_full == name), None)
+            if found is not None and not prepared:
+                # Blender prepares a view transform when it is first used, for a tenth of a second: not in one go with
+                # the cube, which takes half as long.
+                save_as_render(np.ones((1, 1, 4), np.float32), found)
+                prepared = self._waiting = True
+                return 0.0
             if found is not None:
                 self._set(signature(found), make_cube(found))
                 redraw()
+            return None
 
         bpy.app.timers.register(make, first_interval=0.0)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import bpy
 import numpy as np
 
 from ....precompute.errors import DiffractionError, SizeLimitError
@@ -14,8 +15,13 @@ from ....precompute.table import importance, scaled_albedo
 from ....precompute.table.layout import TableLayout
 from ....precompute.table.table import SpectralTable, read_sidecar
 from ...versions import smooth_lookups
+from ..copies import Copy
 from .blocks import ALBEDO_SIDE, buffer
+from .display import redraw
 from .readings import Readings, table_stamp
+
+#: Bytes of a table, in single precision, that a drawing copies to the GPU: a hundredth of a second of memory's time.
+AT_ONCE = 24e6
 
 
 @dataclass(eq=False)
@@ -77,7 +83,7 @@ class TableTexels:
 
 
 def texels(table: SpectralTable) -> TableTexels:
-    """What `upload` copies."""
+    """What `Uploading` copies."""
     layout = table.layout
     stack = np.ones((layout.n_w, layout.tile_height, layout.n_r, 4), np.float32)
     for index in range(layout.n_w):
@@ -97,35 +103,73 @@ def read_texels(path: Path) -> TableTexels:
     return texels(SpectralTable.load(path))
 
 
-def upload(found: TableTexels) -> TableTextures:
-    """Copy a table to the GPU.
+class Uploading:
+    """A table on its way to the GPU.
+
+    Parameters
+    ----------
+    stamp
+        Of its files.
+    found
+        The table.
 
     Raises
     ------
     SizeLimitError
         If this GPU has no texture that large.
     """
-    import gpu
 
-    layout = found.layout
-    side, layers = gpu.capabilities.max_texture_size_get(), gpu.capabilities.max_texture_layers_get()
-    if max(layout.n_r, layout.tile_height) > side or layout.n_w > layers:
-        raise SizeLimitError(
-            f"The table of {layout.n_r} x {layout.n_phi} x {layout.n_w} texels is too large for this GPU, which takes"
-            f" {side} x {side} x {layers}; bake it with a smaller sigma_s or a lower detail."
+    def __init__(self, stamp: tuple, found: TableTexels) -> None:
+        import gpu
+
+        self.stamp = stamp
+        layout = found.layout
+        side, layers = gpu.capabilities.max_texture_size_get(), gpu.capabilities.max_texture_layers_get()
+        if max(layout.n_r, layout.tile_height) > side or layout.n_w > layers:
+            raise SizeLimitError(
+                f"The table of {layout.n_r} x {layout.n_phi} x {layout.n_w} texels is too large for this GPU, which"
+                f" takes {side} x {side} x {layers}; bake it with a smaller sigma_s or a lower detail."
+            )
+        self._megabytes = found.slices.nbytes / 2e6
+        try:
+            self._slices = Copy(found.slices)
+            albedos = gpu.types.GPUTexture((ALBEDO_SIDE, ALBEDO_SIDE), format="R16F", data=buffer(found.albedo))
+        except (RuntimeError, MemoryError) as error:
+            raise self._no_room() from error
+        for texture in (self._slices.texture, albedos):
+            smooth_lookups(texture)
+        self._textures = TableTextures(layout, found.info, self._slices.texture, albedos)
+
+    def go_on(self, most_bytes: float) -> TableTextures | None:
+        """Copy about so many bytes; the textures when all is there.
+
+        Raises
+        ------
+        SizeLimitError
+            If the GPU has no room left.
+        """
+        try:
+            return self._textures if self._slices.go_on(most_bytes) else None
+        except (RuntimeError, MemoryError) as error:
+            raise self._no_room() from error
+
+    def _no_room(self) -> SizeLimitError:
+        return SizeLimitError(
+            f"The GPU has no memory for the table ({self._megabytes:.0f} MB); bake it with a lower detail."
         )
-    try:
-        slices = gpu.types.GPUTexture(
-            (layout.n_r, layout.tile_height), layers=layout.n_w, format="RGBA16F", data=buffer(found.slices)
-        )
-        albedos = gpu.types.GPUTexture((ALBEDO_SIDE, ALBEDO_SIDE), format="R16F", data=buffer(found.albedo))
-    except (RuntimeError, MemoryError) as error:
-        raise SizeLimitError(
-            f"The GPU has no memory for the table ({found.slices.nbytes / 2e6:.0f} MB); bake it with a lower detail."
-        ) from error
-    for texture in (slices, albedos):
-        smooth_lookups(texture)
-    return TableTextures(layout, found.info, slices, albedos)
+
+
+def upload(found: TableTexels) -> TableTextures:
+    """Copy a table to the GPU at once.
+
+    Raises
+    ------
+    SizeLimitError
+        If this GPU has no texture that large.
+    """
+    made = Uploading((), found).go_on(float("inf"))
+    assert made is not None
+    return made
 
 
 def albedo_map(table: SpectralTable) -> np.ndarray:
@@ -154,6 +198,7 @@ class Tables:
 
     def __init__(self) -> None:
         self._held: dict[Path, tuple[tuple, TableTextures]] = {}
+        self._uploading: dict[Path, Uploading] = {}
         self._texels = Readings(read_texels)
         self._tiles = Readings(find_directions)
 
@@ -161,12 +206,12 @@ class Tables:
         return len(self._held)
 
     def get(self, path: Path, wait: bool = True) -> TableTextures | None:
-        """Textures of the table at a path; while a changed file is read, those of the one before, if there were any.
+        """Textures of the table at a path; while a changed one is on its way, those of before, if there were any.
 
         Parameters
         ----------
         wait
-            Read it now, not in a thread.
+            Read and copy it now, not in a thread and over several drawings.
 
         Raises
         ------
@@ -178,14 +223,29 @@ class Tables:
         if held is not None and held[0] == stamp:
             return held[1]
         try:
-            found = self._texels.take(path, stamp, wait)
-            if found is None:
-                return held[1] if held is not None else None
-            made = upload(found)
+            made = self._go_on(path, stamp, wait)
         except DiffractionError:
             self._held.pop(path, None)
+            self._uploading.pop(path, None)
             raise
+        if made is None:
+            return held[1] if held is not None else None
         self._held[path] = stamp, made
+        return made
+
+    def _go_on(self, path: Path, stamp: tuple, wait: bool) -> TableTextures | None:
+        """Read and copy a table, or a part of it; its textures when all is done."""
+        underway = self._uploading.get(path)
+        if underway is None or underway.stamp != stamp:
+            found = self._texels.take(path, stamp, wait)
+            if found is None:
+                return None
+            underway = self._uploading[path] = Uploading(stamp, found)
+        made = underway.go_on(float("inf") if wait else AT_ONCE)
+        if made is not None:
+            del self._uploading[path]
+        else:
+            bpy.app.timers.register(redraw, first_interval=0.0)  # Blender forgets what is asked for while it draws
         return made
 
     def tiles(self, path: Path, wait: bool = True) -> Any:
@@ -208,11 +268,13 @@ class Tables:
         """Drop all but these."""
         self._texels.keep(paths)
         self._tiles.keep(paths)
-        for path in self._held.keys() - paths:
-            del self._held[path]
+        for held in (self._held, self._uploading):
+            for path in held.keys() - paths:
+                del held[path]
 
     def clear(self) -> None:
         """Drop all."""
         self._held.clear()
+        self._uploading.clear()
         self._texels.clear()
         self._tiles.clear()

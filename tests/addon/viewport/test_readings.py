@@ -53,6 +53,49 @@ def test_the_last_bake_is_shown_till_the_new_one_is_read(renderer, sphere, tmp_p
     assert drawing.alone(renderer, display=True).sum() > 1.1 * first.sum()
 
 
+def test_a_large_table_is_copied_to_the_gpu_over_several_drawings(renderer, sphere, tmp_path, monkeypatch):
+    """What was there before is shown till then, then the same picture as when it is copied at once."""
+    from diffraction_shader.addon.viewport.data import textures
+
+    whole = drawing.alone(renderer, display=True) if drawing.alone(renderer).any() else None
+    renderer.clear()
+    monkeypatch.setattr(textures, "AT_ONCE", 5.0 * 4 * 4 * 96 * 122)  # five of its twelve layers
+    pictures = []
+    drawing.alone(renderer, display=True)
+    read_by_now(renderer)
+    for _ in range(4):
+        pictures.append(drawing.alone(renderer, display=True))
+    assert [each.any() for each in pictures] == [False, False, True, True]
+    np.testing.assert_array_equal(pictures[2], whole)
+    tables.make_table(tmp_path / "table.exr", lambda u, v, w: 3 * tables.lobes(u, v, w))
+    drawing.alone(renderer, display=True)
+    read_by_now(renderer)
+    np.testing.assert_array_equal(drawing.alone(renderer, display=True), whole)
+    tables.make_table(tmp_path / "table.exr", lambda u, v, w: 0.5 * tables.lobes(u, v, w))
+    for _ in range(2):  # another file on the way: the one before is given up
+        np.testing.assert_array_equal(drawing.alone(renderer, display=True), whole)
+        read_by_now(renderer)
+    for _ in range(2):
+        darker = drawing.alone(renderer, display=True)
+    assert 0.0 < darker.sum() < 0.9 * whole.sum()
+    np.testing.assert_array_equal(drawing.alone(renderer, display=True), darker)
+
+
+def test_half_floats_arrive_on_the_gpu_as_they_are(renderer):
+    import gpu
+    from diffraction_shader.addon.viewport.copies import Copy
+
+    layers = np.random.default_rng(3).random((3, 7, 5, 4), np.float32).astype(np.float16)
+    layers[1, 2, 3] = 6e-8, 6.1e-5, 65504.0, -0.25  # the smallest there is, and the largest
+    copy = Copy(layers.astype(np.float32))
+    assert not copy.go_on(1.0) and copy.go_on(1e9)
+    for index, expected in enumerate(layers.astype(np.float32)):
+        target = gpu.types.GPUFrameBuffer(color_slots=({"texture": copy.texture, "layer": index},))
+        with target.bind():
+            found = np.array(target.read_color(0, 0, 5, 7, 4, 0, "FLOAT").to_list(), np.float32)
+        np.testing.assert_array_equal(found, expected)
+
+
 def test_a_table_that_went_missing_is_said_and_found_again(renderer, sphere, tmp_path, capsys):
     from diffraction_shader.addon.viewport import looks
 
