@@ -106,6 +106,10 @@ def _turned(
     )
 
 
+def _path(node: bpy.types.Node) -> str:
+    return f'node_tree.nodes["{bpy.utils.escape_identifier(node.name)}"]'
+
+
 def _rows(matrix: Matrix) -> list[tuple[float, ...]]:
     return [tuple(matrix[i]) for i in range(3)]
 
