@@ -61,7 +61,7 @@ class Copy:
 
         _, height, width, _ = self._layers.shape
         layer = gpu.types.GPUTexture((width, height), format="RGBA32F", data=buffer(self._layers[index]))
-        target = gpu.types.GPUFrameBuffer(color_slots=({"texture": self.texture, "layer": index},))
+        target: Any = gpu.types.GPUFrameBuffer(color_slots=({"texture": self.texture, "layer": index},))
         shader, triangle = _painter()
         with target.bind():
             shader.bind()
