@@ -20,7 +20,7 @@ from .blocks import ALBEDO_SIDE, buffer
 from .display import redraw
 from .readings import Readings, table_stamp
 
-#: Bytes of a table, in single precision, that a drawing copies to the GPU: half a hundredth of a second of memory's time.
+#: Bytes of a table, in single precision, that a drawing copies to the GPU: some milliseconds of memory's time.
 AT_ONCE = 12e6
 
 
