@@ -106,13 +106,6 @@ float sky_within(float row, float cos_r, float s)
 }
 #endif
 
-// A part of the sphere for each direction of a drawing, or of all drawings that make a mean where that is gathered.
-#ifdef GATHERS
-#define SKY_DRAWINGS 8
-#else
-#define SKY_DRAWINGS 1
-#endif
-
 // Place `i` of a Fibonacci lattice, moved within its cells from one drawing of a picture to the next.
 vec2 sky_places(int i)
 {
@@ -134,6 +127,8 @@ vec3 sky_light(mat3 frame, vec3 wr, float albedo_r)
     float slope, row = sky_view(viewer, 0.0, slope), gain;
     const float within = 1.0;
 #endif
+    // A part of the sphere for each direction, of all drawings that make a mean.
+    float part = float(SKY) * df_frame.sky[3].z;
     for (int i = 0; i < SKY; i++) {
         vec2 xi = sky_places(i);
         vec3 wi = sky_direction(viewer, row, slope, vec2(xi.x * within, xi.y), gain);
@@ -149,7 +144,7 @@ vec3 sky_light(mat3 frame, vec3 wr, float albedo_r)
         float mirror = max(1.0 + dot(wi, wr), 0.0);
         vec3 weight = gain * diffraction_f_cos(wi, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
         if (gain > 0.0 && wi.z > 0.0)
-            light += weight * sky_radiance(frame * wi, gain / float(SKY * SKY_DRAWINGS));
+            light += weight * sky_radiance(frame * wi, gain / part);
     }
     return light / float(SKY);
 }

@@ -10,12 +10,13 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
+from typing import Any
 
 import bpy
 import numpy as np
 
 #: Custom properties of images: what was found, and of which size and file.
-KEY, KEY_EEVEE = "diffraction_spots", "diffraction_eevee_sun"
+KEY, KEY_EEVEE, KEY_EEVEE_OWN = "diffraction_spots", "diffraction_eevee_sun", "diffraction_eevee_own_suns"
 
 #: Spots of an image at most, and what one has to be: radiance over the mean, part of all light, radius in radians.
 MOST, STANDS_OUT, PART, RADIUS_MAX = 4, 100.0, 0.02, 0.1
@@ -23,16 +24,23 @@ MOST, STANDS_OUT, PART, RADIUS_MAX = 4, 100.0, 0.02, 0.1
 #: Radius (rad) of the sun that EEVEE makes of a studio light, and how far from a spot what is bright belongs to it.
 EEVEE_SUN_RADIUS, ABOUT = math.radians(0.526) / 2.0, 0.3
 
+#: Number of the search: what an older one found is searched for anew.
+_SEARCH = 2
+
+#: Suns in place of EEVEE's one at most, as many as it reads, and how long the means of the directions of their light
+#: are where so many suns stand for it.
+EEVEE_OWN, EEVEE_ONE = 4, 0.98
+
 Spot = tuple[float, float, float, float, float]
 
 #: What was found in images of libraries, which cannot keep it themselves, newest last; how many are remembered.
-_linked: dict[tuple, list[Spot]] = {}
+_linked: dict[tuple, list[Any]] = {}
 _LINKED_MOST = 32
 
 
 def of(image: bpy.types.Image) -> list[Spot]:
     """Spots of an image, brightest first: unit direction x, y, z, radius (rad), irradiance in the image's units."""
-    return _kept(image, KEY, [], lambda pixels: search(pixels.mean(-1)))
+    return _kept(image, KEY, [_SEARCH], lambda pixels: search(pixels.mean(-1)))
 
 
 def eevee_sun(image: bpy.types.Image, threshold: float) -> list[Spot]:
@@ -43,7 +51,12 @@ def eevee_sun(image: bpy.types.Image, threshold: float) -> list[Spot]:
     return _kept(image, KEY_EEVEE, [threshold], lambda pixels: mean_above(pixels, threshold))
 
 
-def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[np.ndarray], list[Spot]]) -> list[Spot]:
+def eevee_own_suns(image: bpy.types.Image, threshold: float) -> list[tuple[float, ...]]:
+    """`own_suns` of an image, brightest first."""
+    return _kept(image, KEY_EEVEE_OWN, [_SEARCH, threshold], lambda pixels: own_suns(pixels, threshold))
+
+
+def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[np.ndarray], list[Any]]) -> list[Any]:
     """What is found in an image's pixels ``(height, width, 1 to 3)``, once for each file and size of it."""
     stamp = [image.filepath, *image.size, *more]
     linked = (image.library.filepath, image.name, key, *stamp) if image.library is not None else None
@@ -52,7 +65,7 @@ def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[n
     try:
         kept = json.loads(image.get(key, "[]"))
         if kept and kept[0] == stamp:
-            return [(x, y, z, radius, strength) for x, y, z, radius, strength in kept[1]]
+            return [tuple(row) for row in kept[1]]
     except ValueError:
         pass
     width, height = image.size
@@ -70,11 +83,21 @@ def _kept(image: bpy.types.Image, key: str, more: list[float], find: Callable[[n
     return spots
 
 
-def search(luminance: np.ndarray) -> list[Spot]:
-    """Spots of an equirectangular picture ``(height, width)``, row 0 at the bottom.
+def search(luminance: np.ndarray, most: int = MOST, part: float = PART) -> list[Spot]:
+    """Spots of an equirectangular picture, brightest first.
 
     From the brightest pixel outwards all that is brighter than a tenth of it belongs to a spot; its axis is the mean
-    by power, its radius that of the smallest cone that holds it.
+    by power, its radius that of the smallest cone that holds it. What touches the cone of a brighter one, as the halo
+    of a sun does, is no spot: two lobes that overlap would count what lies in both twice.
+
+    Parameters
+    ----------
+    luminance
+        ``(height, width)``, row 0 at the bottom.
+    most
+        Regions to look at.
+    part
+        Of all light that a spot has at least.
     """
     height, width = luminance.shape
     power = np.maximum(luminance, 0.0) * _texel_sizes(height, width)[:, None]
@@ -82,24 +105,32 @@ def search(luminance: np.ndarray) -> list[Spot]:
     if not total > 0.0 or not math.isfinite(total):
         return []
     mean, left = total / (4.0 * math.pi), luminance.copy()
+    texel = 0.5 * math.hypot(math.pi / height, 2.0 * math.pi / width)
     found: list[Spot] = []
-    for _ in range(MOST):
+    for _ in range(most):
         row, column = np.unravel_index(int(left.argmax()), left.shape)
         peak = float(left[row, column])
         if peak < STANDS_OUT * mean:
             break
         rows, columns = _region(left, int(row), int(column), 0.1 * peak)
-        part = power[rows, columns]
-        vectors = _directions(rows, columns, height, width)
-        axis = (vectors * part[:, None]).sum(0)
-        axis /= max(float(np.linalg.norm(axis)), 1e-12)
-        texel = 0.5 * math.hypot(math.pi / height, 2.0 * math.pi / width)
-        radius = float(np.arccos(np.clip(vectors @ axis, -1.0, 1.0)).max()) + texel
+        vectors, light = _directions(rows, columns, height, width), power[rows, columns]
         left[rows, columns] = 0.0
-        if radius <= RADIUS_MAX and part.sum() >= PART * total:
-            x, y, z = map(float, axis)
-            found.append((x, y, z, radius, float(part.sum())))
+        spot = _spot(vectors, light, texel)
+        if spot[3] <= RADIUS_MAX and spot[4] >= part * total and not any(_touch(spot, other) for other in found):
+            found.append(spot)
     return sorted(found, key=lambda spot: -spot[4])
+
+
+def _spot(vectors: np.ndarray, light: np.ndarray, texel: float) -> Spot:
+    """The spot of pixels in the directions ``(n, 3)``, each half a `texel` wide (rad), by their light ``(n,)``."""
+    axis = (vectors * light[:, None]).sum(0)
+    axis /= max(float(np.linalg.norm(axis)), 1e-12)
+    x, y, z = map(float, axis)
+    return x, y, z, float(np.arccos(np.clip(vectors @ axis, -1.0, 1.0)).max()) + texel, float(light.sum())
+
+
+def _touch(one: Spot, other: Spot) -> bool:
+    return sum(a * b for a, b in zip(one[:3], other[:3], strict=True)) > math.cos(min(one[3] + other[3], math.pi))
 
 
 def split(pixels: np.ndarray, spots: list[Spot]) -> tuple[np.ndarray, np.ndarray]:
@@ -161,6 +192,46 @@ def mean_above(pixels: np.ndarray, threshold: float) -> list[Spot]:
         return []
     x, y, z = map(float, axis)
     return [(x, y, z, EEVEE_SUN_RADIUS, part)]
+
+
+def own_suns(pixels: np.ndarray, threshold: float) -> list[tuple[float, ...]]:
+    """What EEVEE takes out of a picture, where one sun in its mean direction would not show it; none where it would.
+
+    Parameters
+    ----------
+    pixels, threshold
+        As of `mean_above`.
+
+    Returns
+    -------
+    list
+        Brightest first: direction, irradiance (3,) on a surface that faces it, radius in radians.
+    """
+    if not mean_above(pixels, threshold):
+        return []
+    towards, light = _above(pixels, threshold)
+    power = np.maximum(light.mean(-1), 0.0)
+    moments, total = towards * power[:, None], float(power.sum(dtype=float))
+    seeds, owner = towards[[power.argmax()]], np.zeros(len(power), int)
+    for number in range(1, EEVEE_OWN + 1):
+        for _ in range(8):  # Lloyd's steps: each sun in the mean direction of what is nearest to it
+            owner = (towards @ seeds.T).argmax(-1)
+            sums = np.stack([np.bincount(owner, axis, number) for axis in moments.T], -1)
+            lengths = np.linalg.norm(sums, axis=-1, keepdims=True)
+            seeds = np.where(lengths > 0.0, sums / np.maximum(lengths, 1e-30), seeds)
+        if float(lengths.sum()) > EEVEE_ONE * total or number == EEVEE_OWN:
+            break
+        apart = 1.0 - (towards @ seeds.T).max(-1)
+        seeds = np.concatenate([seeds, towards[[(power * apart).argmax()]]])
+    if len(seeds) == 1:
+        return []
+    rgb = np.broadcast_to(light, (len(light), 3)) if light.shape[-1] < 3 else light
+    found = [
+        (*map(float, axis), *(float(channel[owner == i].sum(dtype=float)) for channel in rgb.T), EEVEE_SUN_RADIUS)
+        for i, axis in enumerate(seeds)
+        if (owner == i).any()
+    ]
+    return sorted(found, key=lambda row: -sum(row[3:6]))
 
 
 def suns_above(pixels: np.ndarray, suns: np.ndarray, threshold: float) -> np.ndarray:

@@ -28,7 +28,11 @@ def sources(scene: bpy.types.Scene) -> Iterator[Source]:
 
 
 def of_world(world: bpy.types.World, by_eevee: bool = False) -> Iterator[Source]:
-    """Lights of a world; for EEVEE the one sun that it makes of an image's brightest places, in place of these."""
+    """Lights of a world; for EEVEE what it takes out of an image's brightest places.
+
+    EEVEE makes one sun of that: listed as it is where the light comes from about there. Where it does not, each bright
+    place is listed with the light that it sheds, which materials show by themselves, without shadows.
+    """
     tree = world.node_tree
     if tree is None:
         return
@@ -42,8 +46,9 @@ def of_world(world: bpy.types.World, by_eevee: bool = False) -> Iterator[Source]
         elif node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None:
             turn = _turn(node)
             if turn is not None and node.projection == "EQUIRECTANGULAR":
+                own = list(_own_suns(world, node, turn)) if by_eevee else []
                 spots = _eevee_sun(world, node) if by_eevee else hot_spots.of(node.image)
-                yield from _spots(world, node, turn, spots)
+                yield from own or _spots(world, node, turn, spots)
 
 
 def _turn(node: bpy.types.Node) -> bpy.types.Node | Matrix | None:
@@ -158,6 +163,33 @@ def _eevee_sun(world: bpy.types.World, node: bpy.types.Node) -> list[hot_spots.S
     strength = strengths[0] if strengths else 1.0
     threshold = getattr(world, "sun_threshold", 0.0)
     return hot_spots.eevee_sun(node.image, threshold / strength) if threshold > 0.0 and strength > 0.0 else []
+
+
+def _own_suns(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix) -> Iterator[Source]:
+    """Bright places with their own light, as far as it is known: of an image whose Background alone is the world."""
+    colour: Any = node.outputs[0]
+    after = [link.to_node for link in colour.links]
+    if len(after) != 1 or after[0].bl_idname != "ShaderNodeBackground" or after[0].inputs["Strength"].links:
+        return
+    shown: Any = after[0].outputs[0]
+    if [link.to_node.bl_idname for link in shown.links] != ["ShaderNodeOutputWorld"]:
+        return
+    strength, threshold = float(after[0].inputs["Strength"].default_value), getattr(world, "sun_threshold", 0.0)
+    if strength <= 0.0 or threshold <= 0.0:
+        return
+    place = list(after[0].inputs).index(after[0].inputs["Strength"])
+    follows = (Variable("k", world, f"{_path(after[0])}.inputs[{place}].default_value"),)
+    for number, (x, y, z, *light, radius) in enumerate(hot_spots.eevee_own_suns(node.image, threshold / strength)):
+        shed = tuple(Drive(follows, f"{each:.6g}*k") for each in light)
+        yield Source(
+            key=("own", world.as_pointer(), world.name_full, node.name, number, (x, y, z), *light, _signature(turn)),
+            name=f"{world.name}: {node.image.name}",
+            kind="SUN",
+            entries=(
+                *_still(world, turn, x, y, z), float(KINDS["SUN"]), *shed, 2.0 * radius, 0.0, 0.0, 0.0, 1.0,
+            ),
+            strength=strength * sum(light) / 3.0,
+        )  # fmt: skip
 
 
 def _spots(

@@ -147,6 +147,7 @@ class Renderer:
         asks: Manners = PLAIN,
         around: Surroundings | None = None,
         moved: tuple[float, float] = (0.0, 0.0),
+        together: int = 1,
         gathers: Hashable | None = None,
     ) -> int:
         """Draw into the framebuffer in force; never raises. Returns the number of pieces drawn.
@@ -172,8 +173,10 @@ class Renderer:
         around
             What surrounds the scene; None: its world.
         moved
-            Of a picture that is the mean of several drawings: where this one looks into the surroundings, see
-            `blocks.Frame`.
+            Of a picture that is the mean of several drawings: where this one looks into the surroundings, one of
+            `gathering.moves`.
+        together
+            How many drawings that picture is the mean of.
         gathers
             Key of a view that is drawn again and again and gathers light of the surroundings while it stands still;
             None: this is a picture of its own.
@@ -186,7 +189,7 @@ class Renderer:
             listing = self._listing(depsgraph, visible, list_key, "OTHERS" if skips else "ALL")
             count = self._draw(
                 listing, depsgraph, view_matrix, projection, view, through_display, loose_depth, asks, around,
-                moved, gathers,
+                moved, together, gathers,
             )  # fmt: skip
             if skips and around is not None and around.sky is not None and around.sun_above > 0.0:
                 nodes = self._listing(depsgraph, visible, list_key, "NODES")
@@ -211,7 +214,7 @@ class Renderer:
     def _draw(
         self, listing: _Listing, depsgraph: bpy.types.Depsgraph, view_matrix: np.ndarray, projection: np.ndarray,
         view: View, through_display: bool, loose_depth: bool, asks: Manners, around: Surroundings | None,
-        moved: tuple[float, float], gathers: Hashable | None,
+        moved: tuple[float, float], together: int, gathers: Hashable | None,
     ) -> int:  # fmt: skip
         import gpu
 
@@ -231,7 +234,7 @@ class Renderer:
         frame = blocks.Frame(
             view_matrix, projection, rows, view.points, through_display, exposure, around.ambient,
             clip=asks.clip, border=asks.border, sky=around.sky.rows() if around.sky is not None else None, moved=moved,
-            width=gpu.state.viewport_get()[2],
+            together=together, width=gpu.state.viewport_get()[2],
         )  # fmt: skip
         # What shines through adds up, of which a mean of what lies in front knows nothing.
         mean = None
@@ -261,15 +264,19 @@ class Renderer:
             depsgraph.scene.original.view_settings.exposure, clip=asks.clip, border=asks.border,
             width=gpu.state.viewport_get()[2],
         )  # fmt: skip
-        return self._draw_frame("sun", frame, listing, depsgraph, view, _Lights(False, None), loose_depth, asks)
+        apart = frozenset({"SUN_APART"})
+        return self._draw_frame("sun", frame, listing, depsgraph, view, _Lights(False, None), loose_depth, asks, apart)
 
     def _draw_frame(
         self, name: str, frame: blocks.Frame, listing: _Listing, depsgraph: bpy.types.Depsgraph, view: View,
-        lights: _Lights, loose_depth: bool, asks: Manners,
+        lights: _Lights, loose_depth: bool, asks: Manners, more: frozenset[str] = frozenset(),
     ) -> int:  # fmt: skip
-        """Draw all pieces over what is there, the frame's numbers in a buffer of that name: how many were drawn."""
+        """Draw all pieces over what is there, the frame's numbers in a buffer of that name: how many were drawn.
+
+        ``more`` are flags of their shaders besides.
+        """
         view = replace(view, brightness=view.brightness * asks.see_through)
-        shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
+        shared = more | frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set())
         display = self.display.texture(depsgraph.scene.original) if frame.display else None
         with _state("NONE" if view.surface == "REPLACE" else "ADDITIVE", writes_depth=False):
             uniform = self._uniform((name,), frame.rows())
@@ -283,13 +290,15 @@ class Renderer:
         import gpu
 
         x, y, width, height = gpu.state.viewport_get()
-        total = gathering.DIRECTIONS // SKY_POINTS[view.points]
+        directions = SKY_POINTS[view.points]
+        total = max(1, gathering.DIRECTIONS // directions)
         held = self.gathering.of(key, (width, height), (state, x, y), total)
         if held is None:
             return None
-        without = replace(frame, lamps=frame.lamps[:0], display=False)
+        without = replace(frame, lamps=frame.lamps[:0], display=False, together=total)
+        moves = gathering.moves(total, directions)
         for place, number in enumerate(held.due()):
-            uniform = self._uniform(("gathered", place), replace(without, moved=gathering.moved(number)).rows())
+            uniform = self._uniform(("gathered", place), replace(without, moved=moves[number]).rows())
             target, before = held.begin()
             with target.bind(), _state("NONE", writes_depth=True):
                 gpu.state.active_framebuffer_get().clear(color=(0.0, 0.0, 0.0, 0.0), depth=1.0)

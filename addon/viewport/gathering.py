@@ -10,7 +10,10 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Hashable
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
+
+import numpy as np
 
 #: Directions in all, of views that stand still.
 DIRECTIONS = 512
@@ -18,14 +21,38 @@ DIRECTIONS = 512
 #: Views whose means are kept.
 _VIEWS = 4
 
-#: Steps of a lattice that fills the square evenly (Roberts 2018, R2).
-_LATTICE = (0.7548776662466927, 0.5698402909980532)
+#: Step of the lattice that the directions of one drawing are (``sky_places`` in ``shaders/sky.glsl``).
+_STEP = 0.6180339887
 
 
-def moved(number: int) -> tuple[float, float]:
-    """Where a drawing, counted from 0, looks into the surroundings, see `blocks.Frame`."""
-    x, y = (number * step % 1.0 for step in _LATTICE)
-    return x, y
+@cache
+def moves(together: int, directions: int) -> tuple[tuple[float, float], ...]:
+    """Where each of several drawings looks into the surroundings, see `blocks.Frame`.
+
+    All their directions together are one lattice of rank 1, k / n and the fraction of g k: with n g = `_STEP` each
+    drawing is every n-th point of it, and of the n such g that one is taken whose points keep apart most. The first
+    drawings lie evenly among all (van der Corput 1935).
+
+    Parameters
+    ----------
+    together
+        Drawings that make a mean.
+    directions
+        Of each drawing.
+    """
+    number = np.arange(together)
+    inverse, base, left = np.zeros(together), 0.5, number.copy()
+    while left.any():
+        inverse, base, left = inverse + base * (left & 1), 0.5 * base, left >> 1
+    rank = np.empty(together, int)
+    rank[np.argsort(inverse, kind="stable")] = number
+    n = together * directions
+    k = np.arange(1, int(1.2 * n**0.5) + 2)  # n points are never farther apart than 1.08 / sqrt(n)
+    steps = (_STEP + number) / together
+    beside = (np.outer(steps, k) + 0.5) % 1.0 - 0.5
+    step = steps[np.hypot(k / n, beside).min(-1).argmax()]
+    x, y = ((rank + 0.5) / together + 0.5) % 1.0, rank * step % 1.0
+    return tuple(zip(x.tolist(), y.tolist(), strict=True))
 
 
 @dataclass(eq=False)

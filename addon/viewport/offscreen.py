@@ -15,8 +15,8 @@ from mathutils import Matrix
 from ...precompute.errors import OutputError, ParameterError
 from ...precompute.files.atomic import atomic_path
 from ..gpu_context import NoGpu, ensure_gpu
-from . import surroundings
-from .drawing import Renderer
+from . import gathering, surroundings
+from .drawing import SKY_POINTS, Renderer
 from .looks import View
 from .manners import Manners, clip_planes
 
@@ -167,6 +167,7 @@ def render(
             )  # fmt: skip
 
         light = np.zeros((height, width, 4), np.float32)
+        moves = gathering.moves(samples, SKY_POINTS[view.points])
         try:
             with _look(space, shading):
                 around = surroundings.of_shading(scene, space.shading)
@@ -188,7 +189,8 @@ def render(
                             asks=asks,
                             around=around,
                             # The drawings share the sphere out: together they look in more directions.
-                            moved=(index * 0.7548776662466927 % 1.0, index * 0.5698402909980532 % 1.0),
+                            moved=moves[index],
+                            together=samples,
                             skips_nodes=shading != "SOLID",
                         )  # fmt: skip
                     if renderer.message:

@@ -6,7 +6,8 @@
 =======  ======  ==================================================================================
 Place    vector  sun: direction to it, of any length; others: position
 Kind     float   `lights.slots.KINDS`, 0 where the slot is empty or its lamp switched off
-U, V     vector  area: half its extents along its own x and y; else 0
+U, V     vector  area: half its extents along its own x and y; else 0, but U of a sun that brings its light along for
+                 EEVEE: the irradiance
 Size     float   sun: its angle (full); ball: its radius; area: its spread (full angle, pi: all round)
 Uneven   float   1 where light within the shape is uneven (a texture, a mesh in its bounding ball), else 0
 =======  ======  ==================================================================================

@@ -104,7 +104,8 @@ def in_eevee(parts: Parts) -> bpy.types.NodeTree:
     at random. The lobe shows the world too, over the solid angle that it covers: directions ``To`` drawn within it are
     left to the lamp, so that nothing counts twice, as far as f cos there is that at the lamp's middle. Where it is more
     (``Drawn``) the rest of it is drawn still, but for what shows the lamp itself: a wide lobe beside a mirror's narrow
-    peak would leave a dark ring.
+    peak would leave a dark ring. A sun that brings its light along (`lights.worlds`: places of an image from which
+    EEVEE's own sun does not come) shows that, and hides nothing of the world.
     """
     inputs = lamp_nodes.OUTPUTS | {"To": _VECTOR, "Drawn": _FLOAT}
     surface, given, output = Surface.inside("EEVEE lamp", parts, inputs, {"Colour": _VECTOR, "Outside": _FLOAT})
@@ -132,8 +133,12 @@ def in_eevee(parts: Parts) -> bpy.types.NodeTree:
     part2 = graph.product(part, part, EEVEE_TOP)
     along, across = graph.sum(part2, 1.0), graph.fused(part2, graph.sum(tan2, 1.0), 1.0)
     spread = graph.math("SQRT", graph.product(along, across))
-    factor = graph.product(gain, solid_angle, spread, lamp.is_on)
-    graph.put(output.inputs["Colour"], graph.scaled(graph.vector("MULTIPLY", rgb, light), factor))
+    is_own = graph.product(lamp.is_sun, graph.math("GREATER_THAN", graph.scalar("DOT_PRODUCT", lamp.u, lamp.u), 0.0))
+    of_lobe = graph.scaled(light, graph.product(solid_angle, spread, graph.difference(1.0, is_own)))
+    shines = graph.vector("ADD", of_lobe, graph.scaled(lamp.u, is_own))
+    graph.put(
+        output.inputs["Colour"], graph.scaled(graph.vector("MULTIPLY", rgb, shines), graph.product(gain, lamp.is_on))
+    )
     cosine = graph.fused(solid_angle, -0.5 / math.pi, 1.0)
     drawn = graph.scalar("DOT_PRODUCT", given["To"], lamp.axis)
     within = graph.math("GREATER_THAN", drawn, cosine)
@@ -143,7 +148,9 @@ def in_eevee(parts: Parts) -> bpy.types.NodeTree:
     beside = (-EEVEE_EDGE,) * 2, (EEVEE_EDGE,) * 2
     hit = graph.choose(lamp.is_area, graph.math("GREATER_THAN", drawn, edge), holds(graph, given["To"], lamp, *beside))
     taken = graph.math("MAXIMUM", graph.product(within, share), hit)
-    graph.put(output.inputs["Outside"], graph.difference(1.0, graph.product(taken, lamp.is_on)))
+    graph.put(
+        output.inputs["Outside"], graph.difference(1.0, graph.product(taken, lamp.is_on, graph.difference(1.0, is_own)))
+    )
     return graph.tree
 
 

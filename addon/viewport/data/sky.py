@@ -28,6 +28,10 @@ from .sources import DIFFUSE_CORNER, DIFFUSE_SIDE, SKY_LEVELS, SKY_SIDE
 #: Width of an image after it was reduced by whole factors: steps of a third of a degree.
 _WIDTH = 1024
 
+#: What stands out of the rest is smaller than what directions find: so many spots at most, of at least so much of the
+#: light, shine as suns here beside those that materials know (`hot_spots.of`).
+_MORE, _PART = 8, 0.005
+
 #: Skies kept.
 _KEPT = 3
 
@@ -224,20 +228,21 @@ class Lit:
     texture
         Of all levels.
     suns
-        ``(n, 7)`` what stands out of it, in the image's directions, at a strength of 1.
-    rest
-        ``(rows, cols, 3)`` the image without them.
+        ``(n, 7)`` what stands out of it and is not in the texture, in the image's directions, at a strength of 1.
+    spots, rest
+        ``(m, 7)`` those of them that materials know, and the image ``(rows, cols, 3)`` without these.
     """
 
     texture: Any
     suns: np.ndarray
+    spots: np.ndarray
     rest: np.ndarray
     _above: dict[float, np.ndarray] = field(default_factory=dict, compare=False)
 
     def suns_above(self, threshold: float) -> np.ndarray:
         """`hot_spots.suns_above` of it."""
         if threshold not in self._above:
-            self._above[threshold] = hot_spots.suns_above(self.rest, self.suns, threshold)
+            self._above[threshold] = hot_spots.suns_above(self.rest, self.spots, threshold)
         return self._above[threshold]
 
 
@@ -247,6 +252,7 @@ class _Texels:
     def __init__(self, light: Light | None) -> None:
         self._light = light
         self._texels: np.ndarray | None = None
+        self._rest, self._suns = np.zeros((1, 1, 3), np.float32), np.zeros((0, 7), np.float32)
         self._thread = threading.Thread(target=self._work, daemon=True)
 
     def start(self) -> None:
@@ -268,11 +274,15 @@ class _Texels:
         texels: Any = self._texels
         texture = gpu.types.GPUTexture(atlas_size(), format="RGBA16F", data=buffer(texels))
         smooth_lookups(texture)
-        return Lit(texture, self._light[1], reduced(self._light[0]))
+        return Lit(texture, self._suns, self._light[1], self._rest)
 
     def _work(self) -> None:
         if self._light is not None:
-            self._texels = atlas(levels(self._light[0]))
+            self._rest = reduced(self._light[0])
+            spots = hot_spots.search(self._rest.mean(-1), _MORE - min(len(self._light[1]), _MORE), _PART)
+            rest, more = hot_spots.split(self._rest, spots)
+            self._suns = np.concatenate([self._light[1], more])
+            self._texels = atlas(levels(rest))
 
 
 class Skies:

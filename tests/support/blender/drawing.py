@@ -13,8 +13,11 @@ def eye(size):
     return camera.matrix_world.normalized().inverted(), camera.calc_matrix_camera(depsgraph, x=size, y=size)
 
 
-def alone(renderer, size=96, display=False, moved=(0.0, 0.0), asks=None, gathers=None, **view):
-    """What the renderer draws on black without any depth: linear RGB (size, size, 3), row 0 at the bottom."""
+def alone(renderer, size=96, display=False, moved=(0.0, 0.0), together=1, asks=None, gathers=None, around=None, **view):
+    """What the renderer draws on black without any depth: linear RGB (size, size, 3), row 0 at the bottom.
+
+    With surroundings as Material Preview has them it draws what EEVEE does not show of materials made of nodes.
+    """
     import gpu
     from diffraction_shader.addon.viewport import looks, manners, offscreen
 
@@ -25,13 +28,22 @@ def alone(renderer, size=96, display=False, moved=(0.0, 0.0), asks=None, gathers
             gpu.state.active_framebuffer_get().clear(color=(0, 0, 0, 0), depth=1.0)
             renderer.draw(
                 bpy.context.evaluated_depsgraph_get(), np.array(view_matrix), np.array(projection),
-                looks.View(**view), display, lambda ob: True, moved=moved, gathers=gathers,
-                asks=manners.PLAIN if asks is None else asks,
+                looks.View(**view), display, lambda ob: True, moved=moved, together=together, gathers=gathers,
+                asks=manners.PLAIN if asks is None else asks, around=around, skips_nodes=around is not None,
             )  # fmt: skip
         assert not renderer.message, renderer.message
         return offscreen.read(target)[..., :3].astype(float)
     finally:
         target.free()
+
+
+def mean_of_many(renderer, size, together=16, points=16):
+    """`alone` as a picture is drawn: the mean of drawings that look in other directions."""
+    from diffraction_shader.addon.viewport import gathering
+    from diffraction_shader.addon.viewport.drawing import SKY_POINTS
+
+    moves = gathering.moves(together, SKY_POINTS[points])
+    return np.mean([alone(renderer, size, moved=each, together=together, points=points) for each in moves], 0)
 
 
 def over_scene(renderer, size=96, shading="SOLID", **view):
