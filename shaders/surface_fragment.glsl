@@ -38,7 +38,8 @@ mat3 scan_frame(vec3 n)
     return mat3(c * t + s * across, c * across - s * t, n);
 }
 
-#ifdef LACQUER
+#if defined(LACQUER) && !defined(SUN_APART)
+#define OUTER_FACE
 // The outer face of a lacquer: what it sends of a lamp's irradiance (GGX, Smith's masking, reflectance at the view's
 // angle as in diffraction.osl). `wide` is the lamp's angular radius, by which the lobe grows: few points stand for it.
 float outer_mirror(vec3 wi, vec3 wr, float wide)
@@ -138,7 +139,7 @@ void main()
             if (cos_i > 0.0) {
                 float mirror = max(1.0 + dot(wi, to_viewer), 0.0);
                 light += irradiance * diffraction_f_cos(wi * frame, wr, mirror, albedo_r) * fresnel(sqrt(0.5 * mirror));
-#ifdef LACQUER
+#ifdef OUTER_FACE
                 outer += irradiance * outer_mirror(wi * frame, wr, lamp_width(lamp, world_place));
 #endif
             }
@@ -158,7 +159,7 @@ void main()
     light += texelFetch(df_gathered, ivec2(gl_FragCoord.xy - df_gathering.xy), 0).rgb;
 #endif
     light = diffracts ? light * df_surface.fresnel.w : vec3(0.0);
-#ifdef LACQUER
+#ifdef OUTER_FACE
     outer += df_frame.ambient.rgb;
 #ifdef SKYLIT
     outer += sky_radiance(reflect(-to_viewer, n), 4.0 * PI * df_surface.kept[1].w * df_surface.kept[1].w * max(cos_r, 0.01));

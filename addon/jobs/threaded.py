@@ -155,6 +155,7 @@ def stop() -> None:
         job.close()
     if jobs:
         _leave(bpy.context)
+    progress.clear()
 
 
 def _leave(context: bpy.types.Context) -> None:

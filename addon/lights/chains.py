@@ -8,6 +8,7 @@ import zlib
 import bpy
 from mathutils import Matrix, Vector
 
+from . import slots
 from .source import Drive, Entry, Variable, follow
 
 #: Empties that show collections, from the scene inwards.
@@ -31,7 +32,7 @@ def world(chain: Chain, ob: bpy.types.Object) -> Matrix:
 def frame_name(chain: Chain) -> str:
     """The scene's property that holds the matrix of a chain's last empty."""
     text = "|".join(each.name_full for each in chain)
-    return f"diffraction_frame_{zlib.crc32(text.encode()):08x}"
+    return f"{slots.FRAME}{zlib.crc32(text.encode()):08x}"
 
 
 def frames(scene: bpy.types.Scene, chain: Chain) -> dict[str, tuple[Entry, ...]]:

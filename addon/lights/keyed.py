@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import bpy
 
-from . import light_list, slots
+from . import animated, light_list, slots
 
 
 def bake(scene: bpy.types.Scene, frames: Sequence[int], write: Callable[[], object]) -> int:
@@ -59,7 +59,7 @@ def clear(scene: bpy.types.Scene) -> bool:
     """Take such keys away; True if there were any."""
     curves = _curves(scene)
     for path in {curve.data_path for curve in curves}:
-        for bag in _bags(scene):
+        for bag in animated.bags(scene):
             for curve in [curve for curve in bag.fcurves if curve.data_path == path]:
                 bag.fcurves.remove(curve)
     return bool(curves)
@@ -73,17 +73,4 @@ def is_baked(scene: bpy.types.Scene) -> bool:
 def _curves(scene: bpy.types.Scene) -> list[bpy.types.FCurve]:
     paths = {f'["{name}"]' for slot in range(1, slots.SLOTS + 1) for name in slots.names(slot)}
     paths.add(f'["{slots.COUNT}"]')
-    return [curve for bag in _bags(scene) for curve in bag.fcurves if curve.data_path in paths]
-
-
-def _bags(scene: bpy.types.Scene) -> list[bpy.types.ActionChannelbag]:
-    animation = scene.animation_data
-    if animation is None or animation.action is None or animation.action_slot is None:
-        return []
-    bags = []
-    for layer in animation.action.layers:
-        for strip in layer.strips:
-            bag = strip.channelbag(animation.action_slot) if isinstance(strip, bpy.types.ActionKeyframeStrip) else None
-            if bag is not None:
-                bags.append(bag)
-    return bags
+    return [curve for bag in animated.bags(scene) for curve in bag.fcurves if curve.data_path in paths]

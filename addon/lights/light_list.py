@@ -16,9 +16,8 @@ from ...precompute.errors import ParameterError
 from ...precompute.light.colour import xyz_to_rgb_matrix
 from ..colour_spaces import working_space
 from . import slots
+from .animated import Copied
 from .source import Drive, Entry, Source
-
-_FRAME = "diffraction_frame_"
 
 #: Keys of the sources by scene and slot, as they were last written in this session.
 _written: dict[int, dict[int, Source]] = {}
@@ -46,7 +45,7 @@ def remove(scene: bpy.types.Scene) -> None:
 def _names(scene: bpy.types.Scene) -> list[str]:
     """All custom properties of the list."""
     own = {slots.COUNT, *slots.MATRIX, *(name for slot in range(1, slots.SLOTS + 1) for name in slots.names(slot))}
-    return [name for name in list(scene.keys()) if name in own or name.startswith(_FRAME)]
+    return [name for name in list(scene.keys()) if name in own or name.startswith(slots.FRAME)]
 
 
 def write(scene: bpy.types.Scene, sources: Sequence[Source]) -> bool:
@@ -86,7 +85,7 @@ def write(scene: bpy.types.Scene, sources: Sequence[Source]) -> bool:
                 changed |= _set(
                     scene, name, [x for x in source.entries[4 * part : 4 * part + 4] if not isinstance(x, Drive)]
                 )
-    for name in [n for n in list(scene.keys()) if n.startswith(_FRAME) and n not in frames]:
+    for name in [n for n in list(scene.keys()) if n.startswith(slots.FRAME) and n not in frames]:
         _undrive(scene, name)
         del scene[name]
         changed = True
@@ -158,7 +157,11 @@ def _undrive(scene: bpy.types.Scene, name: str) -> None:
 
 
 def _drive(scene: bpy.types.Scene, name: str, index: int, entry: Drive) -> None:
-    driver = scene.driver_add(f'["{name}"]', index).driver
+    curve = scene.driver_add(f'["{name}"]', index)
+    if isinstance(entry, Copied):
+        entry.onto(curve)
+        return
+    driver = curve.driver
     driver.type = "SCRIPTED" if entry.expression else "SUM"
     for each in entry.variables:
         variable = driver.variables.new()

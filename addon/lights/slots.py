@@ -18,6 +18,9 @@ All in world space, metres and radians. ``diffraction_lamps`` is the number of s
 
 from __future__ import annotations
 
+#: How properties begin that drivers of the list refer to: matrices of empties, copies of animated settings.
+FRAME = "diffraction_frame_"
+
 #: Lamps that a scene's list holds. Each lamp is a closure of 64 bytes in OSL, of which OptiX keeps 1,024 bytes in all
 #: (`materials.closures`), so that more than 14 would not fit there whatever the material.
 SLOTS = 16

@@ -3,14 +3,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+import zlib
+from collections.abc import Hashable, Iterator
 from typing import Any
 
 import bpy
 from mathutils import Euler, Matrix, Vector
 
 from ..versions import EEVEE
-from . import hot_spots
+from . import animated, hot_spots, slots
 from .slots import KINDS
 from .source import Drive, Entry, Source, Variable
 
@@ -24,14 +26,15 @@ _SUN_STRENGTH = 1000.0
 def sources(scene: bpy.types.Scene) -> Iterator[Source]:
     """Lights of a scene's world, as far as its nodes tell them: textures with no other vector than a Mapping's."""
     if scene.world is not None:
-        yield from of_world(scene.world, scene.render.engine == EEVEE)
+        yield from of_world(scene.world, scene.render.engine == EEVEE, scene)
 
 
-def of_world(world: bpy.types.World, by_eevee: bool = False) -> Iterator[Source]:
+def of_world(world: bpy.types.World, by_eevee: bool = False, scene: bpy.types.Scene | None = None) -> Iterator[Source]:
     """Lights of a world; for EEVEE what it takes out of an image's brightest places.
 
     EEVEE makes one sun of that: listed as it is where the light comes from about there. Where it does not, each bright
-    place is listed with the light that it sheds, which materials show by themselves, without shadows.
+    place is listed with the light that it sheds, which materials show by themselves, without shadows. Without the scene
+    whose drivers shall follow it a sky's sun is as it is now.
     """
     tree = world.node_tree
     if tree is None:
@@ -42,7 +45,7 @@ def of_world(world: bpy.types.World, by_eevee: bool = False) -> Iterator[Source]
         if node.bl_idname == "ShaderNodeTexSky" and node.sky_type in _WITH_DISC:
             turn = _turn(node)
             if turn is not None:
-                yield _sun(world, node, turn)
+                yield _sun(world, node, turn, scene)
         elif node.bl_idname == "ShaderNodeTexEnvironment" and node.image is not None:
             turn = _turn(node)
             if turn is not None and node.projection == "EQUIRECTANGULAR":
@@ -71,8 +74,12 @@ def _turn(node: bpy.types.Node) -> bpy.types.Node | Matrix | None:
         return None
     if all(abs(x) < 1e-6 for x in rotation.default_value[:2]):
         return before
-    turned = Euler(rotation.default_value).to_matrix()
-    return turned if before.vector_type == "TEXTURE" else turned.transposed()
+    return _matrix(before)
+
+
+def _matrix(mapping: bpy.types.Node) -> Matrix:
+    turned = Euler(mapping.inputs["Rotation"].default_value).to_matrix()
+    return turned if mapping.vector_type == "TEXTURE" else turned.transposed()
 
 
 def _turned(
@@ -111,41 +118,61 @@ def _index(mapping: bpy.types.Node) -> int:
     return list(mapping.inputs).index(mapping.inputs["Rotation"])
 
 
-def _sun(world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix) -> Source:
+def _sun(
+    world: bpy.types.World, node: bpy.types.Node, turn: bpy.types.Node | Matrix, scene: bpy.types.Scene | None
+) -> Source:
     """The sun of a sky.
 
-    Only where its tree is animated do drivers follow it: of a node's own settings Blender's depsgraph knows nothing and
-    says so on the console, for every driver, each time that it is built. Else an edit is written as numbers. What a
-    node's sockets hold it does know, so that a driver which has one of them among its variables is evaluated after the
-    tree's animation; without it, one frame late as it happens.
+    Where its settings are animated the scene has copies of their curves in a property of its own, which drivers follow
+    (`animated`). What strips mix is written on each frame, and an edit of what stands still as numbers.
     """
-    path, kind = _path(node), float(KINDS["SUN"])
-    after = Variable("o", world, f"{path}.outputs[0].default_value[0]")
-    known = (Variable("e", world, f"{path}.sun_elevation"), Variable("r", world, f"{path}.sun_rotation"), after)
-    switch = Drive((Variable("d", world, f"{path}.sun_disc"), after), f"{kind}*d")
-    size = Drive((Variable("v", world, f"{path}.sun_size"), after), "v")
-    directions = ("cos(e)*sin(r)", "cos(e)*cos(r)", "sin(e)")
-    numbers: tuple[float, ...] = ()
-    if _is_animated(world):
-        ends: tuple[Entry, Entry] = (switch, size)
-        place = _turned(world, turn, *directions, known)
+    kind, directions = float(KINDS["SUN"]), ("cos(e)*sin(r)", "cos(e)*cos(r)", "sin(e)")
+    settings = {"e": "sun_elevation", "r": "sun_rotation", "d": "sun_disc", "v": "sun_size"}
+    now = {name: float(getattr(node, setting)) for name, setting in settings.items()}
+    curves = {name: _curve(world, node, setting) for name, setting in settings.items()} if scene is not None else {}
+    curves = {name: curve for name, curve in curves.items() if curve is not None}
+    is_written = scene is not None and (animated.is_mixed(world) or _is_mixed(world))
+    key = ("sky", world.as_pointer(), world.name_full, node.name, node.sky_type)
+    frames: dict[str, tuple[Entry, ...]] = {}
+    numbers: tuple[Hashable, ...] = ()
+    if scene is not None and curves and not is_written:
+        told = [animated.signature(curves[name]) if name in curves else now[name] for name in settings]
+        name = f"{slots.FRAME}{zlib.crc32(repr((key, told)).encode()):08x}"
+        frames[name] = tuple(
+            animated.Copied((), "", curves[each], now[each]) if each in curves else now[each] for each in settings
+        )
+        known = tuple(Variable(each, scene, f'["{name}"][{index}]') for index, each in enumerate(settings))
+        place = _turned(world, turn, *directions, known[:2])
+        ends: tuple[Entry, Entry] = (Drive(known[2:3], f"{kind}*d"), Drive(known[3:], "v"))
+        numbers = (name,)
     else:
-        x, y, z = (Drive(known, each).value() for each in directions)
-        ends, place = (switch.value(), size.value()), _still(world, turn, x, y, z)
-        numbers = (x, y, z, switch.value(), size.value())
+        e, r = now["e"], now["r"]
+        still = (math.cos(e) * math.sin(r), math.cos(e) * math.cos(r), math.sin(e))
+        place, ends = _still(world, turn, *still), (kind * now["d"], now["v"])
+        if not is_written:
+            numbers = (*still, *ends)
+        elif not isinstance(turn, Matrix):  # what is written holds no drivers
+            place = _still(world, _matrix(turn), *still)
     return Source(
-        key=("sky", world.as_pointer(), world.name_full, node.name, node.sky_type, numbers, _signature(turn)),
+        key=(*key, is_written, numbers, _signature(turn)),
         name=f"{world.name}: {node.name}",
         kind="SUN",
         entries=(*place, ends[0], 0.0, 0.0, 0.0, ends[1], 0.0, 0.0, 0.0, 0.0),
+        frames=frames,
         strength=_SUN_STRENGTH,
+        is_written=is_written,
     )
 
 
-def _is_animated(world: bpy.types.World) -> bool:
-    """Whether keys, drivers or strips may move a world's nodes."""
-    found = world.node_tree.animation_data
-    return found is not None and bool(found.action is not None or found.drivers or found.nla_tracks)
+def _curve(world: bpy.types.World, node: bpy.types.Node, setting: str) -> Any:
+    """What animates a node's setting, from the tree's animation or the world's."""
+    path = f'nodes["{bpy.utils.escape_identifier(node.name)}"].{setting}'
+    own = animated.curve_of(world.node_tree, path) if world.node_tree is not None else None
+    return own or animated.curve_of(world, f"node_tree.{path}")
+
+
+def _is_mixed(world: bpy.types.World) -> bool:
+    return world.node_tree is not None and animated.is_mixed(world.node_tree)
 
 
 def _still(world: bpy.types.World, turn: bpy.types.Node | Matrix, x: float, y: float, z: float) -> tuple[Entry, ...]:

@@ -134,11 +134,22 @@ def _needs_search(depsgraph: bpy.types.Depsgraph) -> bool:
                 return True
         elif isinstance(known, (bpy.types.Light, bpy.types.Collection, bpy.types.World)):
             return True
+        if isinstance(known, bpy.types.Action) and _moves_a_world(known.original):
+            return True
         scenes = scenes or isinstance(known, bpy.types.Scene)
         trees = trees or isinstance(known, (bpy.types.NodeTree, bpy.types.Material))
     if scenes and any(_looks.get(each.as_pointer()) != _look(each) for each in bpy.data.scenes if each.is_editable):
         return True
     return trees and _glow() != _looks.get(0)
+
+
+def _moves_a_world(action: bpy.types.Action) -> bool:
+    """Whether an action moves nodes of a world: keys of a sky are copied into the scene."""
+    for world in bpy.data.worlds:
+        for owner in (world, world.node_tree):
+            if owner is not None and owner.animation_data is not None and owner.animation_data.action == action:
+                return True
+    return False
 
 
 def _look(scene: bpy.types.Scene) -> tuple:

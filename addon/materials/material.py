@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeGuard
@@ -190,26 +191,48 @@ def table_group(table: str | Path, settings: Settings) -> bpy.types.NodeTree:
     TableError
         If the table is missing or of another version.
     """
+    steps = table_group_in_steps(table, settings)
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            made: bpy.types.NodeTree = end.value
+            return made
+
+
+def table_group_in_steps(table: str | Path, settings: Settings) -> Generator[None, None, bpy.types.NodeTree]:
+    """`table_group` with rests, for a window that would stand still: a large table is packed, 1,800 nodes are made.
+
+    What is there after a rest is whole; who stops there has only less of it.
+    """
     path = paths.readable(paths.absolute(str(table)).with_suffix(".exr"))
     sidecar = read_sidecar(path)
     if not path.is_file():
         raise TableError(f"The table's atlas {path} does not exist; bake the scan again.")
-    content = sidecar["atlas"]["sha256"]
+    content, nodes = sidecar["atlas"]["sha256"], settings.implementation == "NODES"
     image = atlas_image(path, content)
+    if nodes:
+        _pack(image)
+    yield
     directions, albedo_free = importance_image(path, content)
-    if settings.implementation == "NODES":
+    if nodes:
         if directions.use_half_precision:
             directions.use_half_precision = False  # EEVEE would keep edges of a density in ten bits
-        for each in (image, directions):
-            if each.packed_file is None:
-                each.pack()
+        _pack(directions)
+    yield
     tree = group.build(
         path.stem, settings.implementation, (image, directions), sidecar, settings.fresnel, settings.conserve_energy,
         albedo_free,
     )  # fmt: skip
     travel.note_scene_recipe(tree)
     travel.sync(tree)
+    yield
     return tree
+
+
+def _pack(image: bpy.types.Image) -> None:
+    if image.packed_file is None:
+        image.pack()
 
 
 def set_table(material: bpy.types.Material, table: str | Path) -> None:

@@ -78,7 +78,7 @@ class Graph:
         """a b + c."""
         return self.math("MULTIPLY_ADD", a, b, c)
 
-    def clamp(self, a: Value, low: float, high: float) -> Socket:
+    def clamp(self, a: Value, low: Value, high: Value) -> Socket:
         """a within [low, high]."""
         node = self.add("ShaderNodeClamp")
         for socket, value in zip(node.inputs, (a, low, high), strict=True):

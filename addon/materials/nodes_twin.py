@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 18
+VERSION = 19
 
 
 def build(
@@ -115,8 +115,8 @@ def _lamps(
     graph, (drawn, again) = surface.graph, directions
     closure: Any = None
     shown: Any = None
-    outside: Value = 1.0
-    outside_again: Value = 1.0
+    drawn_grey = [environment.grey_of_plain(graph, one) for one in directions if one is not None]
+    outside: list[Value] = [1.0, 1.0]
     outside_in_eevee = enabled
     f_cos = graph.product(lamps.grey_of(graph, drawn["RGB"]), drawn["Finished"])
     f_cos = graph.quotient(f_cos, drawn["Solid"])
@@ -125,23 +125,25 @@ def _lamps(
     chance = graph.product(graph.split(random)[2], lamps.WEIGHT_MIN)
     for slot, (lamp, one) in enumerate(zip(listed, lobes, strict=True), 1):
         given = {name: one[name] for name in ("To", "Aim", "Width", "Weight", "Narrow", "On")}
-        lit = surface.group(lobe, **given, Hits=taken[f"Hits {slot}"], Chance=chance).outputs["Lobe"]
-        closure = lit if closure is None else surface.both(closure, lit)
-        outside = graph.product(outside, one["Outside"])
-        outside_again = graph.product(outside_again, one["Outside Again"])
+        lit = surface.group(lobe, **given, Hits=taken[f"Hits {slot}"], Chance=chance).outputs
+        closure = lit["Lobe"] if closure is None else surface.both(closure, lit["Lobe"])
+        for number, name in enumerate(("", " Again")[: len(drawn_grey)]):
+            places = one[f"Outside{name}"], one[f"Around{name}"]
+            part = environment.left(graph, *places, graph.product(lit["Grey"], one["Gain"]), drawn_grey[number])
+            outside[number] = graph.product(outside[number], part)
         if slot <= lamps.EEVEE_LAMPS_MAX:
             sockets: dict[str, Any] = {name: lamp[name] for name in lamp_nodes.OUTPUTS}
             by_eevee = surface.group(for_eevee, **sockets, To=drawn["To"], Drawn=f_cos).outputs
             shown = by_eevee["Colour"] if shown is None else graph.vector("ADD", shown, by_eevee["Colour"])
             outside_in_eevee = graph.product(outside_in_eevee, by_eevee["Outside"])
-    plain = _mirror(surface, drawn, graph.product(drawn["Weight"], outside))
+    plain = _mirror(surface, drawn, graph.product(drawn["Weight"], outside[0]))
     if surface.parts.albedo is not None:
         plain = surface.mixed(
-            drawn["Special"], plain, _mirror(surface, drawn, graph.product(drawn["Finished"], outside))
+            drawn["Special"], plain, _mirror(surface, drawn, graph.product(drawn["Finished"], outside[0]))
         )
     if again is not None:
         xi = graph.split(random)[2]
-        chosen, factor = environment.one_of_two(graph, drawn, again, (outside, outside_again), xi)
+        chosen, factor = environment.one_of_two(graph, drawn, again, (outside[0], outside[1]), xi)
         is_stretched = graph.math("LESS_THAN", surface["Scale"], environment.RESAMPLED_BELOW)
         plain = surface.mixed(is_stretched, plain, _mirror(surface, chosen, factor))
     closure = surface.both(closure, surface.mixed(enabled, None, plain))

@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import time
+from collections.abc import Callable, Generator
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +14,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ...precompute.errors import DiffractionError
 from .. import paths, properties, renderers
 from ..given import is_given, take
+from ..jobs import progress
 from ..lights import gather
 from ..materials import closures, handlers, material, setup
 from ..versions import give_nodes, limits
@@ -40,6 +42,10 @@ NO_OSL = (
     "This Blender was built without Open Shading Language: set Implementation to Nodes or Automatic, or take a Blender"
     " from blender.org."
 )
+
+
+#: Of a step in a window, after which it may draw.
+_STEP_SECONDS = 0.03
 
 
 class DIFFRACTION_OT_apply_material(bpy.types.Operator):
@@ -104,13 +110,59 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             return False
         return True
 
+    _steps: Generator[None, None, bpy.types.NodeTree]
+    _timer: bpy.types.Timer | None = None
+    _shows = False
+
     def invoke(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
-        """A person wants to see the colours; scripts say ``dark_ground=True``."""
+        """A person wants to see the colours; scripts say ``dark_ground=True``. What takes long is done in steps."""
         if not is_given(self, "dark_ground"):
             self.dark_ground = True
-        return self.execute(context)
+        chosen = self._choose(context)
+        if chosen is None:
+            return {"CANCELLED"}
+        if bpy.app.background:
+            return self.execute(context)
+        self._steps = material.table_group_in_steps(*chosen[:2])
+        return self._go_on(context)
 
-    def execute(self, context: bpy.types.Context) -> set[str]:
+    def modal(self, context: bpy.types.Context, event: bpy.types.Event) -> set[str]:
+        return self._go_on(context) if event.type == "TIMER" else {"RUNNING_MODAL"}
+
+    def cancel(self, context: bpy.types.Context) -> None:
+        """Blender closes, or a file is loaded."""
+        self._rest(context, False)
+
+    def _go_on(self, context: bpy.types.Context) -> set[str]:
+        """Prepare the table for a moment's time, and when all is there set up the materials."""
+        rests, end = False, time.monotonic() + _STEP_SECONDS
+        try:
+            while time.monotonic() < end:
+                next(self._steps)
+            rests = True
+        except (StopIteration, DiffractionError):
+            pass  # what is wrong is told by `execute`, which comes to it again
+        finally:
+            self._rest(context, rests)
+        return {"RUNNING_MODAL"} if rests else self.execute(context)
+
+    def _rest(self, context: bpy.types.Context, rests: bool) -> None:
+        """Wait for the next step, or no longer."""
+        manager = context.window_manager
+        if rests and self._timer is None:
+            self._timer = manager.event_timer_add(0.01, window=context.window)
+            manager.modal_handler_add(self)
+            self._shows = progress.running() is None  # a bake may be at work
+            if self._shows:
+                progress.show("Applying", 0.5)
+        elif not rests and self._timer is not None:
+            manager.event_timer_remove(self._timer)
+            self._timer = None
+            if self._shows:
+                progress.clear()
+
+    def _choose(self, context: bpy.types.Context) -> tuple[Path, material.Settings, str] | None:
+        """Table, settings, and why that implementation where it was left to us; None where it cannot be had."""
         take(self, context.scene.diffraction, _FROM_PANEL)
         implementation, why = self.implementation, ""
         if implementation == "AUTO":
@@ -119,9 +171,16 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
             )
         elif implementation == "OSL" and not renderers.has_osl():
             self.report({"ERROR"}, NO_OSL)
-            return {"CANCELLED"}
-        settings = settings_from(self, implementation)
+            return None
         table = paths.absolute(context.scene.diffraction.table_path)
+        return table, settings_from(self, implementation), why
+
+    def execute(self, context: bpy.types.Context) -> set[str]:
+        chosen = self._choose(context)
+        if chosen is None:
+            return {"CANCELLED"}
+        table, settings, why = chosen
+        implementation = settings.implementation
         context.view_layer.update()  # new lamps are not yet in the layer
         setup.take_up(context.scene)
         manager = context.window_manager
@@ -144,14 +203,12 @@ class DIFFRACTION_OT_apply_material(bpy.types.Operator):
         found = handlers.search(context.scene)
         notes = setup.prepare_scene(context.scene, implementation == "OSL")
         name = {"OSL": "OSL", "NODES": "Nodes"}[implementation]
-        chosen = f"{len(made)} material{'s' * (len(made) != 1)} set up with {name}" + (
-            f", because {why}" if why else ""
-        )
+        told = f"{len(made)} material{'s' * (len(made) != 1)} set up with {name}" + (f", because {why}" if why else "")
         if fresh:
             notes.append("a dark pigment in place of Blender's untouched grey")
         if not self.all_slots and slots.only_active(targets):
             notes.append(f"{slots.only_active(targets)}; All Slots below takes every one")
-        self.report({"INFO"}, ". ".join([chosen, *notes]))
+        self.report({"INFO"}, ". ".join([told, *notes]))
         for each, others in shared.items() if not self.own_copy else ():
             self.report({"WARNING"}, _changed_too(each, others))
         if not found.chosen and context.scene.world is None:

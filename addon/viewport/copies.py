@@ -25,6 +25,13 @@ class Copy:
     layers
         ``(n, height, width, 4)`` float32.
 
+    Attributes
+    ----------
+    texture : gpu.types.GPUTexture
+        The array.
+    done : int
+        Layers that are there.
+
     Raises
     ------
     RuntimeError, MemoryError
@@ -36,7 +43,7 @@ class Copy:
 
         count, height, width, _ = layers.shape
         self.texture = gpu.types.GPUTexture((width, height), layers=count, format="RGBA16F")
-        self._layers, self._done = layers, 0
+        self._layers, self.done = layers, 0
 
     def go_on(self, most_bytes: float) -> bool:
         """Copy about so many bytes, one layer at least; whether all is there."""
@@ -48,20 +55,20 @@ class Copy:
         gpu.state.face_culling_set("NONE")
         try:
             count = int(min(most_bytes, self._layers.nbytes) // self._layers[0].nbytes)
-            for index in range(self._done, min(self._done + max(1, count), len(self._layers))):
+            for index in range(self.done, min(self.done + max(1, count), len(self._layers))):
                 self._copy(index)
-                self._done = index + 1
+                self.done = index + 1
         finally:
             gpu.state.blend_set(state[0])
             gpu.state.depth_test_set(state[1])
-        return self._done == len(self._layers)
+        return self.done == len(self._layers)
 
     def _copy(self, index: int) -> None:
         import gpu
 
         _, height, width, _ = self._layers.shape
         layer = gpu.types.GPUTexture((width, height), format="RGBA32F", data=buffer(self._layers[index]))
-        target = gpu.types.GPUFrameBuffer(color_slots=({"texture": self.texture, "layer": index},))
+        target: Any = gpu.types.GPUFrameBuffer(color_slots=({"texture": self.texture, "layer": index},))
         shader, triangle = _painter()
         with target.bind():
             shader.bind()

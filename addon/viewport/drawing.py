@@ -264,15 +264,19 @@ class Renderer:
             depsgraph.scene.original.view_settings.exposure, clip=asks.clip, border=asks.border,
             width=gpu.state.viewport_get()[2],
         )  # fmt: skip
-        return self._draw_frame("sun", frame, listing, depsgraph, view, _Lights(False, None), loose_depth, asks)
+        apart = frozenset({"SUN_APART"})
+        return self._draw_frame("sun", frame, listing, depsgraph, view, _Lights(False, None), loose_depth, asks, apart)
 
     def _draw_frame(
         self, name: str, frame: blocks.Frame, listing: _Listing, depsgraph: bpy.types.Depsgraph, view: View,
-        lights: _Lights, loose_depth: bool, asks: Manners,
+        lights: _Lights, loose_depth: bool, asks: Manners, more: frozenset[str] = frozenset(),
     ) -> int:  # fmt: skip
-        """Draw all pieces over what is there, the frame's numbers in a buffer of that name: how many were drawn."""
+        """Draw all pieces over what is there, the frame's numbers in a buffer of that name: how many were drawn.
+
+        ``more`` are flags of their shaders besides.
+        """
         view = replace(view, brightness=view.brightness * asks.see_through)
-        shared = frozenset(frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set()))
+        shared = more | frame.flags() | ({"LOOSE_DEPTH"} if loose_depth else set())
         display = self.display.texture(depsgraph.scene.original) if frame.display else None
         with _state("NONE" if view.surface == "REPLACE" else "ADDITIVE", writes_depth=False):
             uniform = self._uniform((name,), frame.rows())

@@ -34,8 +34,9 @@ _INPUTS = {
     "Drawn": _VECTOR, "Drawn Again": _VECTOR,
 }  # fmt: skip
 OUTPUTS = {
-    "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Cosine": _FLOAT, "Narrow": _FLOAT,
-    "On": _FLOAT, "Outside": _FLOAT, "Outside Again": _FLOAT,
+    "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Gain": _FLOAT, "Cosine": _FLOAT,
+    "Narrow": _FLOAT,
+    "On": _FLOAT, "Outside": _FLOAT, "Outside Again": _FLOAT, "Around": _FLOAT, "Around Again": _FLOAT,
 }  # fmt: skip
 
 
@@ -53,9 +54,10 @@ def step(slot: int) -> tuple[float, float, float]:
 def aimed() -> bpy.types.NodeTree:
     """Group of a slot.
 
-    Direction to a random point, direction and half-angle of the lobe, what f cos is to be multiplied by, cosine of a
-    whole lobe (2 where there is none), whether it is a narrow one, whether there is a lamp, and 1 where the direction
-    ``Drawn`` from the environment is not left to it; the same of another one, ``Drawn Again``.
+    Direction to a random point, direction and half-angle of the lobe, what f cos is to be multiplied by, which part of
+    it evens out the solid angle of points, cosine of a whole lobe (2 where there is none), whether it is a narrow one,
+    whether there is a lamp, and 1 where the direction ``Drawn`` from the environment is not left to it, or where it
+    lies in a whole lobe's cone beside the lamp; the same of another one, ``Drawn Again``.
     """
     tree = new_group("Diffraction lobe of a lamp")
     interface(tree, {name: (kind, None) for name, kind in (lamp_nodes.OUTPUTS | _INPUTS).items()}, OUTPUTS)
@@ -89,30 +91,44 @@ def aimed() -> bpy.types.NodeTree:
     near = graph.scaled(_near(graph, given, lamp), graph.difference(1.0, is_far))
     to = graph.vector("ADD", near, graph.scaled(to, is_far))
     s = graph.math("SINE", graph.product(cone, 0.5))
-    of_whole = graph.product(s, s, graph.choose(is_far, 1.0, gain), 4.0 * math.pi)
+    gain = graph.choose(is_far, 1.0, gain)
+    of_whole = graph.product(s, s, gain, 4.0 * math.pi)
 
-    aim = graph.mix(is_narrow, lamp.axis, to)
+    # Of what is not told by the list alone EEVEE shall make nothing.
+    aim = graph.mix(is_narrow, lamp.axis, _not_in_eevee(graph, to))
     whole_cosine = graph.math("COSINE", cone)
     has_whole = graph.product(is_whole, lamp.is_on)
 
-    def outside(drawn: Socket) -> Socket:
+    held_cosine = graph.math("COSINE", lamp.held)
+
+    def outside(drawn: Socket) -> tuple[Socket, Socket]:
         cosine = graph.scalar("DOT_PRODUCT", drawn, lamp.axis)
-        within_whole = graph.product(has_whole, graph.math("GREATER_THAN", cosine, whole_cosine))
+        beside_whole = graph.choose(has_whole, 1.0, graph.math("LESS_THAN", cosine, whole_cosine))
         within_narrow = graph.math("GREATER_THAN", cosine, graph.math("COSINE", radius))
         within_area = holds(graph, drawn, lamp, low, high)
         within = graph.product(is_narrow, lamp.is_on, graph.choose(lamp.is_area, within_narrow, within_area))
-        return graph.difference(graph.difference(1.0, within_whole), within)
+        off_ball, off_area = graph.math("LESS_THAN", cosine, held_cosine), graph.difference(1.0, within_area)
+        around = graph.product(has_whole, graph.choose(lamp.is_area, off_ball, off_area))
+        return graph.difference(beside_whole, within), around
 
+    outside_drawn, outside_again = outside(given["Drawn"]), outside(given["Drawn Again"])
     outputs: dict[str, Value] = {
         "To": to, "Aim": aim, "Width": graph.choose(is_narrow, cone, width),
         "Weight": graph.choose(is_narrow, of_whole, omega), "Cosine": graph.choose(has_whole, 2.0, whole_cosine),
-        "Narrow": is_narrow, "On": lamp.is_on,
-        "Outside": outside(given["Drawn"]), "Outside Again": outside(given["Drawn Again"]),
+        "Gain": gain, "Narrow": is_narrow, "On": lamp.is_on,
+        "Outside": outside_drawn[0], "Outside Again": outside_again[0],
+        "Around": outside_drawn[1], "Around Again": outside_again[1],
     }  # fmt: skip
     out = graph.add("NodeGroupOutput")
     for name, socket in outputs.items():
         graph.put(out.inputs[name], socket)
     return tree
+
+
+def _not_in_eevee(graph: Graph, vector: Socket) -> Socket:
+    """A vector in Cycles, 0 in EEVEE, see `Graph.for_cycles`."""
+    parts = graph.split(graph.scaled(vector, 0.01))
+    return graph.join(*(graph.for_cycles(each) for each in parts))
 
 
 def _narrow_width(graph: Graph, given: Any, lamp: Seen) -> Socket:

@@ -64,6 +64,22 @@ def one_of_two(graph: Graph, drawn: Any, again: Any, outside: tuple[Value, Value
     return chosen, factor
 
 
+def grey_of_plain(graph: Graph, drawn: Any) -> Socket:
+    """Mean of the channels of f cos in a drawn direction, without albedos."""
+    grey = graph.scalar("DOT_PRODUCT", drawn["RGB"], (1.0 / 3.0,) * 3)
+    return graph.product(grey, graph.quotient(drawn["Weight"], drawn["Solid"]))
+
+
+def left(graph: Graph, outside: Value, around: Value, of_lobe: Value, grey: Value) -> Socket:
+    """The part of a drawn direction that a lamp's lobe leaves: beside the lamp, what f cos is more than in the lobe.
+
+    A lobe answers all that shines within its cone by f cos towards the lamp. Of a mirror that is next to nothing about
+    a lamp's image: what surrounds the lamp would be missing there, a dark rim.
+    """
+    more = graph.difference(1.0, graph.quotient(of_lobe, grey))
+    return graph.math("MAXIMUM", outside, graph.product(around, more))
+
+
 def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
     """Group (random numbers) -> direction, half vector of any length, colour and its factor, solid angle drawn.
 
@@ -81,9 +97,9 @@ def draw(parts: Parts, image: bpy.types.Image) -> bpy.types.NodeTree:
 def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Value, ...]:
     graph, cos_r = surface.graph, surface["CosR"]
     xi_1, xi_2, xi_3 = graph.split(random)
-    own = [graph.scalar("DOT_PRODUCT", surface[axis], surface["Viewer"]) for axis in "TB"]
+    own = [surface["WrX"], surface["WrY"]]
     stretch, wr, cos_d = _stretched_viewer(surface, own)
-    row, slope = _view(graph, wr, cos_d, _depth_set(surface, stretch, cos_d))
+    row, slope = _view(graph, own, cos_d, _depth_set(surface, stretch, cos_d))
 
     def texel(column: Socket) -> tuple[Socket, Socket, Socket]:
         node = graph.add("ShaderNodeTexImage", image=image, interpolation="Closest", extension="EXTEND")
@@ -111,14 +127,14 @@ def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Val
     root = graph.math("SQRT", graph.fused(b, b, cos2))
     reach, far = graph.sum(root, b), graph.difference(root, b)
     a = graph.math("MINIMUM", slope, reach)
-    t, as3 = graph.difference(1.0, s), graph.product(a, s, 3.0)
-    a3 = graph.product(a, 3.0)
+    t, a3 = graph.difference(1.0, s), graph.product(a, 3.0)
+    as3 = graph.product(a3, s)
     rs = graph.product(reach, s)
     per_s = graph.fused(graph.product(a3, t), t, graph.product(rs, graph.fused(s, -2.0, 3.0)))
     r = graph.product(s, per_s)
     left = graph.difference(graph.fused(rs, 2.0, reach), as3)
-    rest = graph.math("SQRT", graph.math("MAXIMUM", graph.product(left, graph.sum(r, far)), 1e-20))
-    per_area = graph.product(per_s, graph.sum(graph.difference(a, as3), graph.product(rs, 2.0)))
+    rest = graph.math("SQRT", graph.product(left, graph.sum(r, far)))
+    per_area = graph.product(per_s, graph.fused(rs, 2.0, graph.difference(a, as3)))
     constant = 1.5 * importance.N_R * 2.0 * math.pi * importance.N_PHI
     weight = graph.quotient(graph.product(area, per_area, constant), rest)
     cos_i = graph.product(t, rest)
@@ -128,7 +144,7 @@ def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Val
     if not surface.parts.conserve:
         flat = _flat(graph, cos_r, xi_1, xi_2, own)
         return _either(surface, flat, (x, y, cos_i), weight, xi_3)
-    return _drawn(surface, x, y, cos_i, graph.product(r, r), turn, weight)
+    return _drawn(surface, x, y, cos_i, (r, graph.product(r, r)), turn, weight)
 
 
 def _stretched_viewer(surface: Surface, wr: list[Socket]) -> tuple[Socket, list[Socket], Socket]:
@@ -170,17 +186,20 @@ def _depth_set(surface: Surface, stretch: Socket, cos_d: Socket) -> Socket:
     seen = graph.sum(cos_d, graph.math("SQRT", graph.math("MAXIMUM", light, 0.0)))
     judged = graph.quotient(graph.product(surface["Depth"], graph.sum(surface["CosR"], cosine)), seen)
     step = 1.0 / (importance.DEPTHS[0] - importance.DEPTHS[1])
-    return graph.clamp(graph.math("FLOOR", graph.fused(judged, -step, step + 0.5)), 0.0, len(importance.DEPTHS) - 1.0)
+    chosen = graph.clamp(graph.math("FLOOR", graph.fused(judged, -step, step + 0.5)), 0.0, len(importance.DEPTHS) - 1.0)
+    # The first set where nothing is painted: Cycles then drops all of this.
+    return graph.product(surface["IsScaled"], chosen)
 
 
 def _view(graph: Graph, wr: list[Socket], cos_r: Socket, chosen: Socket) -> tuple[Socket, Socket]:
     """Row of the image as a part of its height, and a third of dr / ds at the specular peak."""
     step, is_other = float(importance.AZIMUTHS_STEP), graph.math("MINIMUM", chosen, 1.0)
     fewer = float(importance.AZIMUTHS_SETS - importance.AZIMUTHS_MAX)
-    most = graph.fused(is_other, fewer, float(importance.AZIMUTHS_MAX))
+    most = graph.sum(graph.product(is_other, fewer), float(importance.AZIMUTHS_MAX))
     full = graph.product(most, 1.0 / step)
-    sin_r = graph.math("SQRT", graph.math("MAXIMUM", graph.fused(graph.product(cos_r, -1.0), cos_r, 1.0), 0.0))
-    tangent = graph.quotient(graph.sum(sin_r, 1.0), graph.math("MAXIMUM", cos_r, 1e-4))
+    # A root of less than 0 is 0, and so is a quotient by 0 and a logarithm of less.
+    sin_r = graph.math("SQRT", graph.difference(1.0, graph.product(cos_r, cos_r)))
+    tangent = graph.quotient(graph.sum(sin_r, 1.0), cos_r)
     i = graph.math("LOGARITHM", tangent, math.exp(importance.VIEW_END / importance.N_VIEWS))
     i = graph.math("MINIMUM", graph.math("FLOOR", graph.sum(i, 0.5)), importance.N_VIEWS - 1.0)
     below = graph.math("MINIMUM", i, full)
@@ -188,10 +207,12 @@ def _view(graph: Graph, wr: list[Socket], cos_r: Socket, chosen: Socket) -> tupl
     # 1 + step (1 + 2 + ... (below - 1)) + most (i - below) for i > 0
     first = graph.fused(below, graph.fused(below, 0.5 * step, -0.5 * step), graph.math("MINIMUM", i, 1.0))
     first = graph.fused(graph.difference(i, below), most, first)
-    turn = graph.product(graph.math("ARCTAN2", wr[1], wr[0]), 0.5 / math.pi)
+    # Counted as the viewer's albedo counts: where that is looked up Cycles takes one arc tangent for both.
+    against = graph.math("ARCTAN2", *(graph.product(each, -1.0) for each in reversed(wr)))
+    turn = graph.fused(against, 0.5 / math.pi, 0.5)
     j = graph.math("FLOORED_MODULO", graph.math("FLOOR", graph.fused(turn, count, 0.5)), count)
-    row = graph.fused(chosen, float(importance.SET_VIEWS), graph.sum(first, j))
-    row = graph.fused(is_other, float(importance.FIRST_VIEWS - importance.SET_VIEWS), row)
+    row = graph.sum(graph.product(chosen, float(importance.SET_VIEWS)), graph.sum(first, j))
+    row = graph.sum(graph.product(is_other, float(importance.FIRST_VIEWS - importance.SET_VIEWS)), row)
     row = graph.fused(row, 1.0 / importance.HEIGHT, 0.5 / importance.HEIGHT)
     wide = 2.0 * importance.VIEW_END / importance.N_VIEWS
     end = graph.math("POWER", math.exp(wide), graph.sum(i, 0.5))
@@ -199,9 +220,12 @@ def _view(graph: Graph, wr: list[Socket], cos_r: Socket, chosen: Socket) -> tupl
 
 
 def _drawn(
-    surface: Surface, x: Socket, y: Socket, cos_i: Socket, square: Socket, turn: Socket, weight: Socket
+    surface: Surface, x: Socket, y: Socket, cos_i: Socket, radius: tuple[Socket, Socket], turn: Socket, weight: Socket
 ) -> tuple[Value, ...]:
-    """All outputs from the components of h = wi + wr along t and b, cos(theta_i) and the weight without f cos."""
+    """All outputs from the components of h = wi + wr along t and b, cos(theta_i) and the weight without f cos.
+
+    `radius` is the length of (x, y) and its square.
+    """
     graph = surface.graph
     w = graph.sum(cos_i, surface["CosR"])
     h = graph.vector("MULTIPLY_ADD", surface["T"], x, graph.scaled(surface["N"], w))
@@ -209,7 +233,9 @@ def _drawn(
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
     solid = weight
     w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
-    return to, h, surface.value(square, turn, w, h), weight, *surface.with_albedo(weight, x, y, cos_i), solid
+    rgb, factor = surface.value(radius, turn, w, h)
+    weight = graph.product(weight, factor)
+    return to, h, rgb, weight, *surface.with_albedo(weight, x, y, cos_i), solid
 
 
 def _flat(graph: Graph, cos_r: Socket, xi_1: Socket, xi_2: Socket, wr: list[Socket]) -> tuple[Socket, Socket, Socket]:
@@ -232,4 +258,5 @@ def _either(surface: Surface, flat: tuple, local: tuple, weight: Socket, xi_3: S
     flat_weight = graph.product(limit, 2.0 * math.pi / FLAT_SHARE)
     chosen = graph.fused(is_flat, graph.difference(flat_weight, steep_weight), steep_weight)
     square = graph.fused(x, x, graph.product(y, y))
-    return _drawn(surface, x, y, cos_i, square, graph.math("ARCTAN2", y, x), chosen)
+    radius = graph.math("SQRT", square), square
+    return _drawn(surface, x, y, cos_i, radius, graph.math("ARCTAN2", y, x), chosen)

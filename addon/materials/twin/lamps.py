@@ -46,24 +46,23 @@ def grey_of(graph: Graph, rgb: Socket) -> Socket:
 
 
 def in_cycles(parts: Parts) -> bpy.types.NodeTree:
-    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe.
+    """Group of a slot, handed what `aimed` and `seen.hits` give and a random number: its lobe, and f cos in it, grey.
 
-    Cycles steps over what a Mix Shader's factor leaves out, and over nothing else. So there are two lobes: a plain one,
-    and one for diffuse rays, dim lobes and where albedos may pass 1.
+    Cycles steps over what a Mix Shader's factor leaves out, and over nothing else. So there are three lobes: a plain
+    one, one where albedos may pass 1, and one for diffuse rays and dim lobes.
     """
     inputs = {
         "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Narrow": _FLOAT, "On": _FLOAT,
         "Hits": _FLOAT, "Chance": _FLOAT,
     }  # fmt: skip
-    surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER})
+    surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER, "Grey": _FLOAT})
     graph = surface.graph
-    rgb, plain, finished, has_albedo = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
+    rgb, plain, finished, is_more = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
     # What stands in a whole lobe's cone is that lobe's; whole lobes that hold each other's lamps share.
     taken = graph.fused(given["Hits"], graph.fused(given["Narrow"], 1e8, 1.0), 1.0)
     weight = graph.quotient(given["Weight"], taken)
     size = graph.for_cycles(graph.product(given["Width"], 0.02 / math.pi))
-    half = graph.split(graph.vector("ADD", given["Aim"], surface["Viewer"]))  # Cycles normalises it
-    normal = graph.join(*(graph.for_cycles(each) for each in half))
+    normal = graph.vector("ADD", given["Aim"], surface["Viewer"])  # Cycles normalises it
 
     def lobe(colour: Socket) -> Socket:
         node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
@@ -74,12 +73,20 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
         return node.outputs[0]
 
     grey = grey_of(graph, rgb)
+    graph.put(output.inputs["Grey"], graph.product(grey, plain))
     plain = graph.product(plain, weight)
-    is_dim = graph.math("LESS_THAN", graph.product(grey, plain), WEIGHT_MIN)
-    is_special = graph.math("MAXIMUM", graph.math("MAXIMUM", has_albedo, surface["IsDiffuse"]), is_dim)
-    finished = graph.product(surface.limited(finished, *graph.split(rgb)), weight)
-    special = graph.scaled(rgb, kept(graph, grey, finished, given["Chance"]))
-    either = surface.mixed(is_special, lobe(graph.scaled(rgb, graph.product(plain, 0.01))), lobe(special))
+
+    def is_dim(gain: Socket) -> Socket:
+        return graph.math("LESS_THAN", graph.product(grey, gain), WEIGHT_MIN)
+
+    whole = graph.product(finished, weight)
+    limited = graph.product(surface.limited(finished, *graph.split(rgb)), weight)
+    rare = lobe(graph.scaled(rgb, kept(graph, grey, limited, given["Chance"])))
+    more = lobe(graph.scaled(rgb, graph.product(whole, 0.01)))
+    more = surface.mixed(graph.math("MAXIMUM", is_dim(whole), surface["IsDiffuse"]), more, rare)
+    either = surface.mixed(
+        graph.math("MAXIMUM", is_more, is_dim(plain)), lobe(graph.scaled(rgb, graph.product(plain, 0.01))), more
+    )
     graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, either))
     return graph.tree
 

@@ -92,37 +92,38 @@ def guard(
     return graph.math("LESS_THAN", off, GUARD_TOLERANCE)
 
 
-def _log_arsinh(graph: Graph, x: Socket, x2: Socket, scale: float, per_unit: float) -> tuple[Socket, float]:
-    """per_unit arsinh(x / scale) as a socket and a number to add, from x and its square."""
-    root = graph.math("SQRT", graph.sum(x2, scale * scale))
-    return graph.math("LOGARITHM", graph.sum(x, root), math.exp(1.0 / per_unit)), -per_unit * math.log(scale)
+def _arsinh(graph: Graph, x: Socket, x2: Socket, scale: float, per_unit: float, less: float = 0.0) -> Socket:
+    """per_unit (arsinh(x / scale) - less), from x and its square: base and argument of the logarithm bring the rest."""
+    k = math.exp(-less) / scale
+    root = graph.math("SQRT", graph.fused(x2, k * k, math.exp(-2.0 * less)))
+    return graph.math("LOGARITHM", graph.fused(x, k, root), math.exp(1.0 / per_unit))
 
 
 def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
-    """Group (|(u, v)|^2, angle of (-u, -v), |w|, 1 in EEVEE) -> XYZ of T / scale / |w|^power.
+    """Group (|(u, v)| and its square, angle of (-u, -v), |w|, 1 in EEVEE) -> XYZ of T / scale / |w|^power, a factor.
 
-    The angle lies between -pi and pi. What is left out is left to the caller, see `gain`.
+    The angle lies between -pi and pi. What is left out is left to the caller, see `gain`; the factor, a number, is not
+    multiplied in yet.
     """
     tree = new_group(f"Diffraction table {name}")
-    sockets = {each: (_FLOAT, None) for each in ("Square", "Turn", "W")} | {"EEVEE": (_FLOAT, 0.0)}
-    interface(tree, sockets, {"Value": _VECTOR})
+    sockets = {each: (_FLOAT, None) for each in ("Radius", "Square", "Turn", "W")} | {"EEVEE": (_FLOAT, 0.0)}
+    interface(tree, sockets, {"Value": _VECTOR, "Factor": _FLOAT})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
-    square, turn, w = given["Square"], given["Turn"], given["W"]
+    turn, w = given["Turn"], given["W"]
     width, height = float(layout.width), float(layout.height)
 
-    column, offset = _log_arsinh(graph, graph.math("SQRT", square), square, layout.r0, layout.a_r)
+    column = _arsinh(graph, given["Radius"], given["Square"], layout.r0, layout.a_r)
     # A little less than the last column: a rounding error would blend in the next tile's peak.
-    column = graph.math("MINIMUM", column, layout.n_r - 1.02 - offset)
-    x = graph.fused(column, 1.0 / width, (0.5 + offset) / width)
+    column = graph.math("MINIMUM", column, layout.n_r - 1.02)
+    x = graph.fused(column, 1.0 / width, 0.5 / width)
     # phi = angle + pi in (0, 2 pi]; the row after the last one repeats the first.
     y = graph.fused(turn, layout.n_phi / (2.0 * math.pi * height), (1.5 + 0.5 * layout.n_phi) / height)
-    position, offset = _log_arsinh(graph, w, graph.product(w, w), layout.w0, layout.a_w)
-    position = graph.sum(position, offset - layout.a_w * layout.s_w)
+    position = _arsinh(graph, w, graph.product(w, w), layout.w0, layout.a_w, layout.s_w)
     # Between the first two slices it is that of 1 / |w|: a constant T, as a mirror has it, stays so.
     over = graph.quotient(layout.w_min, w)
     first = graph.clamp(graph.fused(over, -layout.first_share, layout.first_share), 0.0, 1.0)
-    position = graph.math("MINIMUM", graph.math("MAXIMUM", position, first), layout.n_w - 1.0)
+    position = graph.clamp(position, first, layout.n_w - 1.0)
     lower = graph.math("MINIMUM", graph.math("FLOOR", position), layout.n_w - 2.0)
     columns, step = float(layout.tile_columns), layout.tile_height / height
     if layout.width == layout.tile_columns * layout.n_r:  # tiles fill the atlas: its repetition wraps the columns
@@ -141,8 +142,9 @@ def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.
     below = graph.math("MAXIMUM", over, 1.0)  # below slice 0 T is that of slice 0
     if layout.power != 1.0:
         below = graph.math("POWER", below, layout.power)
-    value = graph.scaled(graph.mix(graph.difference(position, lower), *values), below)
-    graph.put(graph.add("NodeGroupOutput").inputs["Value"], value)
+    out = graph.add("NodeGroupOutput").inputs
+    graph.put(out["Value"], graph.mix(graph.difference(position, lower), *values))
+    graph.put(out["Factor"], below)
     return tree
 
 

@@ -40,7 +40,7 @@ SHARED = {
     "TilePart": _FLOAT,
     "Shares": _VECTOR,
     "IsScaled": _FLOAT,
-    "AlbedoFree": _FLOAT,
+    "PlainFrom": _FLOAT,
     "IsDiffuse": _FLOAT,
     "Limit": _FLOAT,
     "Cone": _FLOAT,
@@ -109,11 +109,10 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     geometry = graph.add("ShaderNodeNewGeometry")
     viewer, normal = geometry.outputs["Incoming"], given["Normal"]
     has_normal = graph.math("GREATER_THAN", graph.scalar("LENGTH", normal), 0.0)
-    n = graph.vector("NORMALIZE", graph.mix(has_normal, geometry.outputs["Normal"], normal))
+    n = graph.mix(has_normal, geometry.outputs["Normal"], graph.vector("NORMALIZE", normal))
     t, b = _frame(graph, given, n, eevee)
     cos_r = graph.scalar("DOT_PRODUCT", n, viewer)
-    # 0 where the viewer is below the surface: the factor that `value` leaves out.
-    front = graph.product(graph.math("GREATER_THAN", cos_r, 0.0), graph.difference(1.0, geometry.outputs["Backfacing"]))
+    front = graph.difference(1.0, geometry.outputs["Backfacing"])
     # A painted surface: T' = s^2 T(s u, s v, q w). What is not linked is constant to Cycles, which drops what 1 leaves.
     # The larger of two, of which one is no number, is the first or the second: devices differ.
     scale, depth = (
@@ -140,12 +139,13 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
         albedo_r = graph.math("MAXIMUM", found, 1.0)
     return {
         "T": t, "B": b, "N": n, "Viewer": viewer, "Position": geometry.outputs["Position"], "CosR": cos_r,
-        "Gain": graph.quotient(brightness, cos_r),
+        # The factor that `value` leaves out: 0 where the viewer is below the surface.
+        "Gain": graph.math("MAXIMUM", graph.quotient(brightness, cos_r), 0.0),
         "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
         "Scale": scale, "Scale2": scale2, "Depth": depth, "Tile": tile, "TilePart": tile_part, "Shares": shares,
         "IsScaled": is_scaled,
-        # the cosine below which albedos count
-        "AlbedoFree": graph.choose(is_scaled, parts.albedo_free, 2.0),
+        # the cosine below which a lobe is more than its plain f cos: where albedos count, for diffuse rays everywhere
+        "PlainFrom": graph.fused(is_diffuse, 2.0, graph.choose(is_scaled, parts.albedo_free, 2.0)),
         # of f cos: none for other rays than diffuse ones
         "IsDiffuse": is_diffuse, "Limit": graph.math("MAXIMUM", not_limited, given["DiffuseLimit"]),
         "Cone": given["Cone"],
@@ -262,22 +262,26 @@ class Surface:
         names = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
         return self.graph.group(tree, **{each: self[each] for each in SHARED if each in names}, **values)
 
-    def value(self, square: Socket, turn: Socket, w: Socket, half: Socket) -> Socket:
-        """`value.value` for a direction."""
-        return self.group(self.parts.value, Square=square, Turn=turn, W=w, Half=half).outputs["Value"]
+    def value(self, radius: tuple[Socket, Socket], turn: Socket, w: Socket, half: Socket) -> tuple[Socket, Socket]:
+        """`value.value` for a direction: RGB and its factor; `radius` is |(u, v)| and its square."""
+        places = dict(zip(("Radius", "Square"), radius, strict=True))
+        found = self.group(self.parts.value, Turn=turn, W=w, Half=half, **places).outputs
+        return found["Value"], found["Factor"]
 
     def f_cos(self, h: Socket) -> tuple[Socket, Socket, Socket, Value]:
         """f cos for the sum h of the directions to light and viewer: RGB, its factor, that with the albedos.
 
-        The last socket is 1 where an albedo may pass 1: elsewhere the two factors are the same. Both are 0 where the
-        light is below the surface.
+        The last socket is 1 where an albedo may pass 1 and for diffuse rays: elsewhere the two factors are the same.
+        Both are 0 where the light is below the surface.
         """
         graph = self.graph
         x, y, w = (graph.scalar("DOT_PRODUCT", self[axis], h) for axis in "TBN")
         gain = graph.product(graph.math("GREATER_THAN", w, self["CosR"]), self["Gain"])
         cos_i = graph.difference(w, self["CosR"])
         w, gain = self.behind_face(w, cos_i, gain)
-        rgb = self.value(graph.fused(x, x, graph.product(y, y)), graph.math("ARCTAN2", y, x), w, h)
+        square = graph.fused(x, x, graph.product(y, y))
+        rgb, factor = self.value((graph.math("SQRT", square), square), graph.math("ARCTAN2", y, x), w, h)
+        gain = graph.product(gain, factor)
         return rgb, gain, *self.with_albedo(gain, x, y, cos_i)
 
     def with_albedo(self, gain: Socket, x: Socket, y: Socket, cos_i: Socket) -> tuple[Socket, Value]:
@@ -294,12 +298,12 @@ class Surface:
         """
         graph = self.graph
         if self.parts.albedo is None:
-            return gain, 0.0
+            return gain, self["IsDiffuse"]
         against = {"AgainstT": graph.difference(self["WrX"], x), "AgainstB": graph.difference(self["WrY"], y)}
         found = self.group(self.parts.albedo, Cosine=cos_i, **against).outputs["Albedo"]
         steeper = graph.math("MINIMUM", cos_i, self["CosR"])
         finished = graph.quotient(gain, graph.math("MAXIMUM", found, self["AlbedoR"]))
-        return finished, graph.math("LESS_THAN", steeper, self["AlbedoFree"])
+        return finished, graph.math("LESS_THAN", steeper, self["PlainFrom"])
 
     def behind_face(self, w: Socket, cos_i: Socket, gain: Socket) -> tuple[Socket, Socket]:
         """|w| and the factor of a direction under a clear layer of index n, see ``shaders/brdf.osl``; as given without.

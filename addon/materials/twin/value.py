@@ -21,30 +21,32 @@ INDICES = {"NONE": (), "SCHLICK": ("R0",), "DIELECTRIC": ("IOR",), "CONDUCTOR": 
 def value(
     name: str, layout: TableLayout, table: bpy.types.NodeTree, fresnel: str, kept: bpy.types.NodeTree | None = None
 ) -> bpy.types.NodeTree:
-    """Group that gives f cos(theta_i) R as RGB, but for the factor that all directions share, ``scale / (4 cos_r)``
-    times ``s^2 q^power`` of a painted surface.
+    """Group that gives f cos(theta_i) R, an RGB and a factor of it, but for the factor that all directions share,
+    ``scale / (4 cos_r)`` times ``s^2 q^power`` of a painted surface.
 
     With h = wi + wr = -(u, v, w) it is ``(1 + wi.wr)^2 / (cos_r w^2) T R``, ``1 + wi.wr = |h|^2 / 2`` and the cosine of
-    the half-angle is ``|h| / 2``. Inputs: |(u, v)|^2, the angle of (-u, -v), |w|; h, of any length; s^2 and q; rows of
-    the matrix to the working space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
+    the half-angle is ``|h| / 2``. Inputs: |(u, v)| and its square, the angle of (-u, -v), |w|; h, of any length; s, s^2
+    and q; rows of the matrix to the working space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
     """
     tree = new_group(f"Diffraction value {name} {fresnel.lower()}")
     sockets: dict[str, tuple[str, object]] = {
-        each: (_FLOAT, None) for each in ("Square", "Turn", "W", "Scale2", "Depth", "IsScaled")
+        each: (_FLOAT, None) for each in ("Radius", "Square", "Turn", "W", "Scale", "Scale2", "Depth", "IsScaled")
     }
     sockets |= {each: (_VECTOR, None) for each in ("Red", "Green", "Blue", "Half")}
     sockets |= {each: (_VECTOR if fresnel == "CONDUCTOR" else _FLOAT, None) for each in INDICES[fresnel]}
-    interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR})
+    interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR, "Factor": _FLOAT})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
     square, w = given["Square"], given["W"]
-    places = {"Square": graph.product(square, given["Scale2"]), "W": graph.product(w, given["Depth"])}
-    xyz = graph.group(table, Turn=given["Turn"], EEVEE=given["EEVEE"], **places).outputs["Value"]
+    places = {"Radius": graph.product(given["Radius"], given["Scale"])}
+    places |= {"Square": graph.product(square, given["Scale2"]), "W": graph.product(w, given["Depth"])}
+    found = graph.group(table, Turn=given["Turn"], EEVEE=given["EEVEE"], **places).outputs
+    xyz = found["Value"]
     if kept is not None and layout.index == 1.0:
         xyz = _corrected(graph, kept, given, xyz)
     rgb = _into_gamut(graph, xyz, [given[each] for each in ("Red", "Green", "Blue")])
     h2 = graph.fused(w, w, square)
-    factor = graph.quotient(graph.product(h2, h2), w)
+    factor = graph.product(graph.quotient(graph.product(h2, h2), w), found["Factor"])
     more = lookup.gain(graph, layout, w)
     if more is not None:
         factor = graph.product(factor, more)
@@ -57,7 +59,9 @@ def value(
             factor = graph.product(factor, schlick(graph, given["R0"], graph.fused(h, -0.5, 1.0)))
         else:
             rgb = graph.vector("MULTIPLY", rgb, conductor(graph, given["ConductorN"], given["ConductorK"], cos_half))
-    graph.put(graph.add("NodeGroupOutput").inputs["Value"], graph.scaled(rgb, factor))
+    out = graph.add("NodeGroupOutput").inputs
+    graph.put(out["Value"], rgb)
+    graph.put(out["Factor"], factor)
     return tree
 
 

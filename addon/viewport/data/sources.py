@@ -87,6 +87,7 @@ FLAGS = (
     "CONDUCTOR",
     "INSIDE",  # the table holds the reflectance of its stuff
     "LACQUER",
+    "SUN_APART",  # light that is missing in what EEVEE shows of the material, mirror of a lacquer there already
     "AMBIENT",  # a plain world
     "SKYLIT",  # an image surrounds the scene
     "GATHERS",  # writes the mean of its light and of what was gathered before

@@ -20,8 +20,8 @@ from .blocks import ALBEDO_SIDE, buffer
 from .display import redraw
 from .readings import Readings, table_stamp
 
-#: Bytes of a table, in single precision, that a drawing copies to the GPU: a hundredth of a second of memory's time.
-AT_ONCE = 24e6
+#: Bytes of a table, in single precision, that a drawing copies to the GPU: some milliseconds of memory's time.
+AT_ONCE = 12e6
 
 
 @dataclass(eq=False)
@@ -143,15 +143,19 @@ class Uploading:
     def go_on(self, most_bytes: float) -> TableTextures | None:
         """Copy about so many bytes; the textures when all is there.
 
+        After several drawings not in that of the last copy: the next one has a shader to compile.
+
         Raises
         ------
         SizeLimitError
             If the GPU has no room left.
         """
+        before = self._slices.done
         try:
-            return self._textures if self._slices.go_on(most_bytes) else None
+            is_there = self._slices.go_on(most_bytes)
         except (RuntimeError, MemoryError) as error:
             raise self._no_room() from error
+        return self._textures if is_there and before in (0, self._slices.done) else None
 
     def _no_room(self) -> SizeLimitError:
         return SizeLimitError(
@@ -242,6 +246,8 @@ class Tables:
                 return None
             underway = self._uploading[path] = Uploading(stamp, found)
         made = underway.go_on(float("inf") if wait else AT_ONCE)
+        if wait and made is None:
+            made = underway.go_on(0.0)
         if made is not None:
             del self._uploading[path]
         else:

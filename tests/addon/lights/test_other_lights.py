@@ -103,6 +103,99 @@ def test_keys_of_a_sky_move_its_sun(blender, tmp_path):
         extension.load().register()
 
 
+def sky_in_the_list(scene, frame):
+    """Direction and kind of the first lamp, and its angle, as renders find them on a frame."""
+    from diffraction_shader.addon.lights import slots
+
+    scene.frame_set(frame)
+    evaluated = scene.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    names = slots.names(1)
+    return [*evaluated[names[0]], evaluated[names[1]][3]]
+
+
+def expected_sky(node):
+    from diffraction_shader.addon.lights import slots
+
+    e, r = node.sun_elevation, node.sun_rotation
+    place = math.cos(e) * math.sin(r), math.cos(e) * math.cos(r), math.sin(e)
+    return pytest.approx([*place, float(node.sun_disc) * slots.KINDS["SUN"], node.sun_size], abs=2e-6)
+
+
+def key_everything(node):
+    for frame, (elevation, rotation, disc, size) in {1: (0.2, 0.5, True, 0.01), 10: (1.2, 2.0, False, 0.03)}.items():
+        node.sun_elevation, node.sun_rotation, node.sun_disc, node.sun_size = elevation, rotation, disc, size
+        for path in ("sun_elevation", "sun_rotation", "sun_disc", "sun_size"):
+            node.keyframe_insert(path, frame=frame)
+
+
+def cycle_with_handles(node):
+    """One setting of four, with handles of its own, and a modifier."""
+    from diffraction_shader.addon.lights import animated
+
+    for frame, rotation in ((1, 0.0), (6, 2.5)):
+        node.sun_rotation = rotation
+        node.keyframe_insert("sun_rotation", frame=frame)
+    curve = animated.bags(node.id_data)[0].fcurves[0]
+    for key in curve.keyframe_points:
+        key.handle_left_type = key.handle_right_type = "FREE"
+    curve.keyframe_points[0].handle_right = (3.0, 2.0)
+    curve.modifiers.new("CYCLES").mode_after = "REPEAT_OFFSET"
+
+
+def drive_by_a_property(node):
+    """A rig: a driver on the node's setting that reads a keyed property."""
+    scene = bpy.context.scene
+    for frame, value in ((1, 0.1), (20, 1.3)):
+        scene["hour"] = value
+        scene.keyframe_insert('["hour"]', frame=frame)
+    curve = node.driver_add("sun_elevation")
+    variable = curve.driver.variables.new()
+    variable.targets[0].id_type, variable.targets[0].id = "SCENE", scene
+    variable.targets[0].data_path = '["hour"]'
+    curve.driver.expression = f"{variable.name}*0.9"
+
+
+def strips(node):
+    """What strips mix no curve tells."""
+    key_everything(node)
+    animation = node.id_data.animation_data
+    track = animation.nla_tracks.new()
+    track.strips.new("sky", 3, animation.action)
+    animation.action = None
+
+
+@pytest.mark.parametrize("animate", [key_everything, cycle_with_handles, drive_by_a_property, strips])
+def test_animated_sky_frame_by_frame_without_a_word(blender, tmp_path, capfd, animate):
+    """Blender's depsgraph knows no settings of nodes: drivers that read them say so on the console, and come late."""
+    set_up(tmp_path)
+    _, node = sky(0.2, 0.5)
+    animate(node)
+    bpy.context.view_layer.update()
+    scene = bpy.context.scene
+    for frame in (1, 4, 20, 9, 2, 30, 1):
+        assert sky_in_the_list(scene, frame) == expected_sky(node), frame
+    scene.render.image_settings.file_format = "PNG"
+    scenes.render(8)
+    assert "Failed to add relation" not in "".join(capfd.readouterr())
+
+
+def test_moved_keys_of_a_sky_are_followed(blender, tmp_path):
+    from diffraction_shader.addon.lights import animated
+
+    set_up(tmp_path)
+    world_, node = sky(0.2, 0.5)
+    key_everything(node)
+    bpy.context.view_layer.update()
+    curves = animated.bags(node.id_data)[0].fcurves
+    moved = next(curve for curve in curves if curve.data_path.endswith("sun_elevation"))
+    moved.keyframe_points[1].co.y = 0.7
+    moved.update()
+    bpy.context.view_layer.update()
+    for frame in (1, 5, 10):
+        assert sky_in_the_list(bpy.context.scene, frame) == expected_sky(node), frame
+    assert world_ is not None
+
+
 def test_edits_of_a_sky_move_its_sun_without_a_driver(blender, tmp_path, capfd):
     """Blender's depsgraph knows no settings of a world's nodes, and says so for each driver that follows one."""
     from diffraction_shader.addon.lights import slots

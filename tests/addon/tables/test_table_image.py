@@ -179,3 +179,21 @@ def test_the_packed_table_stays_where_its_file_is_gone(applied, tmp_path):
     material.set_table(shown, paths.readable(material.table_path(shown)))
     assert len(bpy.data.images) == 2
     assert bpy.data.images["t"].packed_file.data == table
+
+
+@pytest.mark.parametrize("implementation", ["NODES", "OSL"])
+def test_who_stops_between_the_steps_leaves_what_is_whole(applied, implementation):
+    """A window prepares a table in steps; a file may be loaded, or Blender closed, between any two of them."""
+    path, apply = applied
+    from diffraction_shader.addon.materials import material
+
+    settings = material.Settings(implementation=implementation)
+    for rests in range(4):
+        steps = material.table_group_in_steps(path, settings)
+        assert len(list(zip(range(rests), steps, strict=False))) == min(rests, 3)
+        steps.close()
+        made = apply(implementation)
+        assert made.node_tree.nodes["Diffraction"].node_tree is material.table_group(path, settings)
+        assert [image.packed_file is not None for image in images()] == [implementation == "NODES"] * 2
+        bpy.data.batch_remove([*bpy.data.node_groups, *bpy.data.images])
+        made.node_tree.nodes.clear()

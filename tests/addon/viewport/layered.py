@@ -10,8 +10,9 @@ from precompute.light.colour import xyz_to_rgb_matrix
 from precompute.parameters import BakeParameters
 from precompute.presets import make_preset
 from precompute.stack import parse_stack
-from tests.support.blender import drawing, scenes
+from tests.support.blender import drawing, materials, scenes
 from tests.support.blender import viewport_scene as scene
+from tests.support.blender.worlds import picture_world
 from tests.support.compare import assert_images_agree
 from tests.truth import radiance
 
@@ -57,3 +58,30 @@ def test_sphere_is_that_of_numpy(renderer, tmp_path, substrate, lacquer):
     truth = np.where(hit[..., None], shown, 0.0)
     where = hit & (wi[..., 2] > 0.1) & (wr[..., 2] > 0.15) & (truth.sum(-1) > 1e-3 * truth.max())
     assert_images_agree(image, truth, 0.02, where=where, name=f"viewport stuff {substrate} {lacquer}")
+
+
+def test_a_studio_sun_is_mirrored_once(renderer, tmp_path):
+    """EEVEE shows it in a lacquer's outer face: what is added to materials made of nodes is the diffraction alone."""
+    import bpy
+    from diffraction_shader.addon.viewport import surroundings
+
+    table = bake(make_preset("stam_bumps", 8e-6, 96), BakeParameters(lacquer=1.5, detail=0.5))
+    path = table.save(tmp_path / "table.exr")
+    sphere = scenes.add_sphere(segments=64, rings=32)
+    scenes.add_camera((0.4, -1.0, 0.5))
+    made = materials.diffracting(sphere, path, "NODES")
+    pixels = np.full((64, 128, 3), 0.1, np.float32)
+    pixels[44:46, 88:90] = 5000.0
+    picture_world(pixels)
+    around = surroundings.Surroundings(
+        sky=surroundings.of_world(bpy.context.scene.world).sky, lamps=False, sun_above=10.0
+    )
+    drawn = {}
+    for roughness in (0.4, 0.8):
+        made.node_tree.nodes["Diffraction"].inputs["LacquerRoughness"].default_value = roughness
+        bpy.context.view_layer.update()
+        renderer.clear()
+        drawn[roughness] = drawing.alone(renderer, 32, around=around), drawing.alone(renderer, 32)
+    assert drawn[0.4][0].max() > 0.01
+    assert drawn[0.4][0] == pytest.approx(drawn[0.8][0])
+    assert np.abs(drawn[0.4][1] - drawn[0.8][1]).max() > 0.1  # where the viewport shows the mirror itself

@@ -11,4 +11,4 @@ def test_spheres_are_those_of_numpy(root_dir):
     command = [sys.executable, "-m", "pytest", "--quiet", "-p", "no:xdist", "-p", "no:cacheprovider", case]
     done = subprocess.run(command, cwd=root_dir, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "3 passed" in done.stdout or "3 skipped" in done.stdout
+    assert "4 passed" in done.stdout or "4 skipped" in done.stdout

@@ -13,8 +13,11 @@ def eye(size):
     return camera.matrix_world.normalized().inverted(), camera.calc_matrix_camera(depsgraph, x=size, y=size)
 
 
-def alone(renderer, size=96, display=False, moved=(0.0, 0.0), together=1, asks=None, gathers=None, **view):
-    """What the renderer draws on black without any depth: linear RGB (size, size, 3), row 0 at the bottom."""
+def alone(renderer, size=96, display=False, moved=(0.0, 0.0), together=1, asks=None, gathers=None, around=None, **view):
+    """What the renderer draws on black without any depth: linear RGB (size, size, 3), row 0 at the bottom.
+
+    With surroundings as Material Preview has them it draws what EEVEE does not show of materials made of nodes.
+    """
     import gpu
     from diffraction_shader.addon.viewport import looks, manners, offscreen
 
@@ -26,7 +29,7 @@ def alone(renderer, size=96, display=False, moved=(0.0, 0.0), together=1, asks=N
             renderer.draw(
                 bpy.context.evaluated_depsgraph_get(), np.array(view_matrix), np.array(projection),
                 looks.View(**view), display, lambda ob: True, moved=moved, together=together, gathers=gathers,
-                asks=manners.PLAIN if asks is None else asks,
+                asks=manners.PLAIN if asks is None else asks, around=around, skips_nodes=around is not None,
             )  # fmt: skip
         assert not renderer.message, renderer.message
         return offscreen.read(target)[..., :3].astype(float)
