@@ -38,6 +38,11 @@ def computes() -> bool:
     return bpy.app.version >= (5, 2)
 
 
+def draws_into_layers() -> bool:
+    """Whether a framebuffer can be told one layer of an array texture: 4.5 mistakes the word for the texture."""
+    return bpy.app.version >= (5, 0)
+
+
 def give_nodes(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
     """The shader nodes of a material or world, which has none by itself before 5.0; its plain colour stays."""
     if bpy.app.version < (5, 0) and not block.use_nodes:

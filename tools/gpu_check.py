@@ -1,14 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render small scenes on every device that Blender has here, and compare each pixel with the processor's.
 
-`gpu_check.py [--size N] [--samples N] [--eevee | --no-eevee] [--out FILE]` with Blender as a module, or in a Blender
-that has the extension's libraries: `blender -b --factory-startup -P tools/gpu_check.py -- [...]`
+`gpu_check.py [--size N] [--samples N] [--only PART ...] [--eevee | --no-eevee] [--out FILE]` with Blender as a module,
+or in a Blender that has the extension's libraries: `blender -b --factory-startup -P tools/gpu_check.py -- [...]`
 
 Cycles: OSL and Nodes under lamps of all types, under a picture of the sky and under the most lamps that a scene's list
 or OptiX's memory of closures holds, on each interface (CUDA, OptiX, HIP, oneAPI, Metal) with all its devices, against
 the processor with the same seed. GPU module: the viewport's diffraction
 under a sun and under the picture against Cycles, a bake's table against the processor's, and EEVEE (by default where
 the GPU is hardware: a software renderer needs a minute or two to compile it).
+
+What is quick comes first (GPU module, EEVEE, then Cycles; there Nodes on each interface, then OSL): the first picture of
+an interface compiles its kernels, minutes on some, and what it waits for is said on stderr before.
 
 Prints a table: error of the pixels (median, 99th percentile; difference over the reference, with a floor of a hundredth
 of its brightest), ratio of the means, and what was allowed. Exit code 0: all that ran agrees; 1: something does not;
@@ -34,6 +37,9 @@ sys.path.insert(0, str(ROOT))
 #: Interfaces of Cycles to devices other than the processor; those that run OSL.
 INTERFACES = ("CUDA", "OPTIX", "HIP", "ONEAPI", "METAL")
 WITH_OSL = {"CPU", "OPTIX"}
+
+#: Parts of the check in their order.
+PARTS = ("viewport", "bake", "eevee", "cycles")
 
 #: Where the sun of every scene stands.
 SUN = (0.3, -0.4, 0.8)
@@ -193,7 +199,7 @@ class Check:
             (lamps, "lamps", 0, 0.05), (sky, "environment", 1, 0.25), (self.crowd, "crowd", 0, 0.05)
         ):  # fmt: skip
             reference = {}
-            for implementation in ("OSL", "NODES"):
+            for implementation in ("NODES", "OSL"):
                 if implementation == "OSL" and not _has_osl():
                     yield "Cycles: this Blender was built without OSL"
                     continue
@@ -203,6 +209,7 @@ class Check:
                     if implementation == "OSL" and kind not in WITH_OSL:
                         continue
                     _use(preferences, kind)
+                    print(f"{implementation}, {name}, on {kind} ...", file=sys.stderr, flush=True)
                     bpy.context.scene.cycles.device = "GPU"
                     found = scenes.render(self.size, self.samples)
                     bpy.context.scene.cycles.device = "CPU"
@@ -341,6 +348,7 @@ def main(words: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="gpu_check.py", description=__doc__.split("\n")[0])
     parser.add_argument("--size", type=int, default=48, help="pixels a side, a multiple of 8")
     parser.add_argument("--samples", type=int, default=16, help="samples of Cycles")
+    parser.add_argument("--only", nargs="+", choices=PARTS, default=PARTS, help="parts to run; all by default")
     parser.add_argument("--eevee", action=argparse.BooleanOptionalAction, help="EEVEE too; default: on hardware")
     parser.add_argument("--out", type=Path, help="JSON with the numbers")
     chosen = parser.parse_args(words)
@@ -357,13 +365,11 @@ def main(words: list[str]) -> int:
     try:
         with tempfile.TemporaryDirectory() as folder:
             check = Check(chosen.size, chosen.samples, Path(folder))
-            parts = [check.cycles, check.viewport, check.bake]
-            for part in parts:
-                _run(part, rows, missing)
-            if chosen.eevee or (chosen.eevee is None and _is_hardware()):
-                _run(check.eevee, rows, missing)
-            else:
-                missing.append("EEVEE: left out on a software renderer; --eevee tries it")
+            for name in [each for each in PARTS if each in chosen.only]:
+                if name == "eevee" and not (chosen.eevee or (chosen.eevee is None and _is_hardware())):
+                    missing.append("EEVEE: left out on a software renderer; --eevee tries it")
+                else:
+                    _run(getattr(check, name), rows, missing)
     finally:
         package.unregister()
     print("".join(f"\n{line}" for line in missing))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ..versions import draws_into_layers
 from .data.blocks import buffer
 
 _VERTEX = "void main() { gl_Position = vec4(pos, 0.0, 1.0); }"
@@ -18,7 +19,7 @@ class Copy:
     """An array texture of half floats on its way to the GPU.
 
     Each layer goes there as a texture of its own, which is drawn into the array: Blender's Python fills a texture when
-    it is made, or never. Half floats come out as they went in.
+    it is made, or never. Half floats come out as they went in. Blender 4.5 cannot draw there and copies all at once.
 
     Parameters
     ----------
@@ -42,13 +43,17 @@ class Copy:
         import gpu
 
         count, height, width, _ = layers.shape
-        self.texture = gpu.types.GPUTexture((width, height), layers=count, format="RGBA16F")
-        self._layers, self.done = layers, 0
+        in_parts = draws_into_layers()
+        data = {} if in_parts else {"data": buffer(layers)}
+        self.texture = gpu.types.GPUTexture((width, height), layers=count, format="RGBA16F", **data)
+        self._layers, self.done = layers, 0 if in_parts else count
 
     def go_on(self, most_bytes: float) -> bool:
         """Copy about so many bytes, one layer at least; whether all is there."""
         import gpu
 
+        if self.done == len(self._layers):
+            return True
         state = gpu.state.blend_get(), gpu.state.depth_test_get()
         gpu.state.blend_set("NONE")
         gpu.state.depth_test_set("NONE")

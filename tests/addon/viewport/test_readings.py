@@ -53,6 +53,11 @@ def test_the_last_bake_is_shown_till_the_new_one_is_read(renderer, sphere, tmp_p
     assert drawing.alone(renderer, display=True).sum() > 1.1 * first.sum()
 
 
+#: Blender 4.5 cannot draw into a layer of a texture, so there a table arrives at once.
+in_parts = pytest.mark.skipif(bpy.app.version < (5, 0), reason="this Blender copies tables to the GPU at once")
+
+
+@in_parts
 def test_a_large_table_is_copied_to_the_gpu_over_several_drawings(renderer, sphere, tmp_path, monkeypatch):
     """What was there before is shown till then, then the same picture as when it is copied at once."""
     from diffraction_shader.addon.viewport.data import textures
@@ -86,6 +91,7 @@ def test_a_large_table_is_copied_to_the_gpu_over_several_drawings(renderer, sphe
     assert drawing.alone(renderer).sum() > 1.2 * darker.sum()  # an operator waits for what is on its way
 
 
+@in_parts
 def test_half_floats_arrive_on_the_gpu_as_they_are(renderer):
     import gpu
     from diffraction_shader.addon.viewport.copies import Copy
