@@ -10,7 +10,7 @@ the processor with the same seed. GPU module: the viewport's diffraction
 under a sun and under the picture against Cycles, a bake's table against the processor's, and EEVEE (by default where
 the GPU is hardware: a software renderer needs a minute or two to compile it).
 
-What is quick comes first (GPU module, EEVEE, then Cycles; there Nodes on each interface, then OSL): the first picture of
+What is quick comes first (GPU module, EEVEE, Cycles; there Nodes on each interface, then OSL): the first picture of
 an interface compiles its kernels, minutes on some, and what it waits for is said on stderr before.
 
 Prints a table: error of the pixels (median, 99th percentile; difference over the reference, with a floor of a hundredth
