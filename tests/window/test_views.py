@@ -13,8 +13,13 @@ NO_LAMPS = "Material Preview with Scene Lights off: the studio's light alone"
 
 @pytest.fixture(scope="module")
 def surface(enabled):
-    """A ball and a plane with a grating, and nothing in the view but surfaces."""
+    """A ball with a grating, and nothing in the view but surfaces.
+
+    No edges are smoothed: Blender does that over some redraws, and two pictures would differ by how many there were.
+    """
     enabled.new_file()
+    smoothing = enabled.look("bpy.context.preferences.system.viewport_aa")
+    enabled.run("bpy.context.preferences.system.viewport_aa = 'OFF'")
     enabled.run(f"""
 with within('VIEW_3D', 'WINDOW'):
     bpy.ops.object.select_all(action='SELECT')
@@ -32,7 +37,8 @@ bpy.data.objects['Light'].data.energy = 3.0
 {VIEW}.show_gizmo = False
 """)
     enabled.console()
-    return enabled
+    yield enabled
+    enabled.run(f"bpy.context.preferences.system.viewport_aa = {smoothing!r}")
 
 
 def drawn(desk, name):
@@ -151,8 +157,7 @@ def test_work_on_the_mesh_is_not_covered(surface, mode):
     surface.run(f"with within('VIEW_3D', 'WINDOW'): bpy.ops.object.mode_set(mode={mode!r})")
     changed = drawn(surface, f"37_{mode.lower()}")
     surface.run("with within('VIEW_3D', 'WINDOW'): bpy.ops.object.mode_set(mode='OBJECT')")
-    # Blender may smooth the rim further in one of the two pictures: some of its pixels differ a little.
-    assert np.count_nonzero(changed > 0.02) < 30 and not (changed > 0.1).any()
+    assert not (changed > 0.02).any()
     assert np.count_nonzero(drawn(surface, "37_object") > 0.05) > 1000
     assert surface.console() == []
 
