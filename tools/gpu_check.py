@@ -190,7 +190,7 @@ class Check:
         preferences = bpy.context.preferences.addons["cycles"].preferences
         devices = {}
         for kind in INTERFACES:
-            found = _devices(preferences, kind)
+            found = device_names(preferences, kind)
             if found:
                 devices[kind] = found
             else:
@@ -208,14 +208,15 @@ class Check:
                 for kind, names in devices.items():
                     if implementation == "OSL" and kind not in WITH_OSL:
                         continue
-                    _use(preferences, kind)
+                    use_device(preferences, kind)
                     print(f"{implementation}, {name}, on {kind} ...", file=sys.stderr, flush=True)
                     bpy.context.scene.cycles.device = "GPU"
                     found = scenes.render(self.size, self.samples)
                     bpy.context.scene.cycles.device = "CPU"
                     what = f"{implementation} {name} against processor"
                     yield compare(f"{kind} {names}", what, found, reference[implementation], noise, 0.01)
-            if len(reference) == 2 and name != "crowd":  # other random numbers: the means, and blocks of pixels
+            # Other random numbers: the means, and blocks of pixels; a single pixel of the rim is a crowd's whole noise.
+            if len(reference) == 2 and name != "crowd":
                 blocks = [_blocks(reference[each], self.size // 8) for each in ("NODES", "OSL")]
                 yield compare("processor", f"NODES {name} against OSL", *blocks, 2.0 * noise + 0.05, 0.02)
 
@@ -287,7 +288,7 @@ def _has_osl() -> bool:
     return has_osl()
 
 
-def _devices(preferences, kind: str) -> str:
+def device_names(preferences, kind: str) -> str:
     """Names of an interface's devices, empty where it has none."""
     try:
         found = preferences.get_devices_for_type(kind)
@@ -296,7 +297,8 @@ def _devices(preferences, kind: str) -> str:
     return ", ".join(device.name for device in found or () if device.type == kind)
 
 
-def _use(preferences, kind: str) -> None:
+def use_device(preferences, kind: str) -> None:
+    """Let Cycles' device GPU be all devices of an interface."""
     preferences.compute_device_type = kind
     for device in preferences.get_devices_for_type(kind):
         device.use = device.type == kind

@@ -21,6 +21,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from tools import gpu_check  # noqa: E402
+
 #: Name of a material here: implementation, environment.
 MATERIALS = {
     "OSL": ("OSL", 0), "OSL, environment": ("OSL", 1), "Nodes": ("NODES", 0), "Nodes, environment": ("NODES", 1),
@@ -65,12 +67,9 @@ def use_device(scene, interface):
     import bpy
 
     preferences = bpy.context.preferences.addons["cycles"].preferences
-    preferences.compute_device_type = interface
-    found = [each for each in preferences.get_devices_for_type(interface) if each.type == interface]
-    if not found:
+    if not gpu_check.device_names(preferences, interface):
         sys.exit(f"Cycles has no device of {interface} here.")
-    for each in preferences.get_devices_for_type(interface):
-        each.use = each in found
+    gpu_check.use_device(preferences, interface)
     scene.cycles.device = "GPU"
 
 
@@ -91,7 +90,7 @@ def costs(table, lamps, rounds, device=None):
     scenes.add_camera(extent=1.4)
     shown = {"Principled": principled()}
     for name, (implementation, environment) in MATERIALS.items():
-        if implementation == "OSL" and device not in (None, "OPTIX"):
+        if implementation == "OSL" and device and device not in gpu_check.WITH_OSL:
             continue
         shown[name] = materials.diffracting(sphere, table, implementation, environment=environment)
     seconds = {name: [] for name in shown}
@@ -136,7 +135,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--lamps", type=int, nargs="+", default=[1, 2, 8])
-    parser.add_argument("--device", choices=["CUDA", "OPTIX", "HIP", "ONEAPI", "METAL"])
+    parser.add_argument("--device", choices=gpu_check.INTERFACES)
     parser.add_argument("--only", choices=["costs", "file"])
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
