@@ -26,13 +26,13 @@ class Picture:
     path
         The file, a PNG or an EXR; it is removed when an image was made of it.
     small
-        ``(height, width, 3)`` display values for the panel, row 0 at the bottom; the picture itself where None.
+        ``(height, width, 3)`` display values for the panel, row 0 at the bottom, no side longer than a preview's.
     linear
         Whether the file holds linear Rec.709, not display values (sRGB).
     """
 
     path: Path
-    small: np.ndarray | None = None
+    small: np.ndarray
     linear: bool = False
 
 
@@ -103,12 +103,7 @@ def show_file(context: bpy.types.Context, name: str, picture: Picture) -> bpy.ty
     image.filepath = ""
     picture.path.unlink(missing_ok=True)
     colour_spaces.set_picture(image, picture.linear)
-    small = picture.small
-    if small is None:
-        pixels = np.empty(len(image.pixels), np.float32)
-        image.pixels.foreach_get(pixels)
-        small = pixels.reshape(image.size[1], image.size[0], -1)[..., :3]
-    _set_preview(image, _reduced(small))
+    _set_preview(image, picture.small)
     _into_editor(context, image)
     return image
 
