@@ -179,6 +179,27 @@ def test_animated_sky_frame_by_frame_without_a_word(blender, tmp_path, capfd, an
     assert "Failed to add relation" not in "".join(capfd.readouterr())
 
 
+def test_a_sky_that_strips_move_is_keyed_for_farms(blender, tmp_path):
+    """Python writes it on each frame; keys do without the extension, in a file opened there."""
+    set_up(tmp_path)
+    world_, node = sky(0.2, 0.5)
+    strips(node)
+    bpy.context.view_layer.update()
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 12
+    assert bpy.ops.diffraction.bake_lights() == {"FINISHED"}
+    path, name = str(tmp_path / "sky.blend"), world_.name
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    extension.load().unregister()
+    try:
+        bpy.ops.wm.open_mainfile(filepath=path)
+        node = next(n for n in bpy.data.worlds[name].node_tree.nodes if n.bl_idname == "ShaderNodeTexSky")
+        for frame in (9, 1, 12, 4):
+            assert sky_in_the_list(bpy.context.scene, frame) == expected_sky(node), frame
+    finally:
+        extension.load().register()
+
+
 def test_moved_keys_of_a_sky_are_followed(blender, tmp_path):
     from diffraction_shader.addon.lights import animated
 
