@@ -188,20 +188,22 @@ def _frame(graph: Graph, given: Any, n: Socket, in_eevee: Socket) -> tuple[Socke
     is_given = graph.math("GREATER_THAN", graph.scalar("LENGTH", given["Tangent"]), 0.0)
     columns = _columns(graph)
     read = [graph.add("ShaderNodeAttribute", attribute_name=name) for name in ("tangent", "tangent_sign")]
-    along, sign = _in_world(graph, read[0].outputs["Vector"]), read[1].outputs["Fac"]
+    # Without a UV map: along the object's x, or z where that stands upright.
+    least = (1e-5, 0.0, 1e-9)
+    along = _in_world(graph, graph.vector("ADD", read[0].outputs["Vector"], least))
+    sign = read[1].outputs["Fac"]
     along_uv, across_uv = frame.uv_frame(graph.tree)
     node: Any
     for node in (along_uv.node, across_uv.node):
         node.hide = True
-    along = graph.mix(in_eevee, along, _surface_direction(graph, columns, along_uv))
+    least_in_world = _in_world(graph, least)
+    of_map = graph.vector("ADD", _surface_direction(graph, columns, along_uv), least_in_world)
     as_normal = _surface_direction(graph, columns, given["Tangent"])
     own = graph.mix(given["TangentIsDirection"], as_normal, given["Tangent"])
-    t = graph.mix(is_given, along, own)
-    # Without a UV map: along the object's x, or z where that stands upright.
-    t = graph.vector("ADD", t, _in_world(graph, (1e-5, 0.0, 1e-9)))
-    t = graph.vector("SUBTRACT", t, graph.scaled(n, graph.scalar("DOT_PRODUCT", t, n)))
-    t = graph.vector("NORMALIZE", t)
-    across = graph.vector("CROSS_PRODUCT", n, t)
+    own = graph.vector("ADD", own, least_in_world)
+    t = graph.mix(is_given, graph.mix(in_eevee, along, of_map), own)
+    across = graph.vector("NORMALIZE", graph.vector("CROSS_PRODUCT", n, t))
+    t = graph.vector("CROSS_PRODUCT", across, n)
 
     handedness = graph.choose(is_given, sign, given["Handedness"])
     determinant = graph.scalar("DOT_PRODUCT", graph.vector("CROSS_PRODUCT", *columns[:2]), columns[2])

@@ -85,11 +85,11 @@ def _corrected(graph: Graph, kept: bpy.types.NodeTree, given: Any, xyz: Socket) 
 def _into_gamut(graph: Graph, xyz: Socket, rows: list[Socket]) -> Socket:
     """As ``into_gamut`` in ``shaders/brdf.osl``: towards the grey of its luminance until no component is negative."""
     rgb = [graph.scalar("DOT_PRODUCT", row, xyz) for row in rows]
-    luminance = graph.scalar("DOT_PRODUCT", xyz, (0.0, 1.0, 0.0))
+    luminance = graph.split(xyz)[1]
     below = graph.math("MINIMUM", graph.math("MINIMUM", graph.math("MINIMUM", rgb[0], rgb[1]), rgb[2]), 0.0)
-    keep = graph.quotient(luminance, graph.difference(luminance, below))  # 1 inside the gamut
-    moved = graph.mix(keep, luminance, graph.join(*rgb))
-    return graph.vector("MAXIMUM", moved, (0.0, 0.0, 0.0))
+    # 1 inside the gamut; outside a millionth less than would do, so that no rounding leaves a component below 0.
+    keep = graph.quotient(luminance, graph.fused(below, -1.000001, luminance))
+    return graph.mix(keep, luminance, graph.join(*rgb))
 
 
 def schlick(graph: Graph, r0: Value, rest: Socket) -> Socket:
