@@ -138,8 +138,7 @@ def _lamps(
             by_eevee = surface.group(for_eevee, **sockets, To=drawn["To"], Drawn=f_cos).outputs
             shown = by_eevee["Colour"] if shown is None else graph.vector("ADD", shown, by_eevee["Colour"])
             outside_in_eevee = graph.product(outside_in_eevee, by_eevee["Outside"])
-    # What a lamp leaves of a direction is asked near one alone. (A factor above 1 is 1.)
-    plain = surface.mixed(graph.for_cycles(far), _mirrors(surface, drawn, outside[0]), _mirrors(surface, drawn, 1.0))
+    plain = _mirrors(surface, drawn, far, outside[0])
     if again is not None:
         xi = graph.split(random)[2]
         chosen, factor = environment.one_of_two(graph, drawn, again, (outside[0], outside[1]), xi)
@@ -174,13 +173,22 @@ def _aimed(
     return lobes, graph.group(seen.hits(), **named).outputs
 
 
-def _mirrors(surface: Surface, drawn: Any, outside: Value) -> Socket:
-    """The mirror into the drawn direction, by its plain weight where no albedo counts: Cycles then leaves those out."""
-    plain = _mirror(surface, drawn, surface.graph.product(drawn["Weight"], outside))
+def _mirrors(surface: Surface, drawn: Any, far: Value, outside: Value) -> Socket:
+    """The mirror into the drawn direction, which passes by all lamps or is left to them in part.
+
+    What a lamp leaves is asked near one alone, the albedos where they count: Cycles steps over what only another branch
+    of a Mix Shader needs, and computes beforehand what two of them do.
+    """
+    graph = surface.graph
+
+    def by_way(name: str) -> Socket:
+        near = _mirror(surface, drawn, graph.product(drawn[name], outside))
+        return surface.mixed(graph.for_cycles(far), near, _mirror(surface, drawn, drawn[name]))
+
     if surface.parts.albedo is None:
-        return plain
-    finished = _mirror(surface, drawn, surface.graph.product(drawn["Finished"], outside))
-    return surface.mixed(drawn["Special"], plain, finished)
+        return by_way("Weight")
+    is_plain = graph.for_cycles(graph.math("GREATER_THAN", far, drawn["Special"]))  # a factor above 1 is 1
+    return surface.mixed(is_plain, by_way("Finished"), _mirror(surface, drawn, drawn["Weight"]))
 
 
 def _mirror(surface: Surface, drawn: Any, weight: Socket) -> Socket:
