@@ -55,12 +55,12 @@ def build(
     built_in = f"{fresnel.lower()}{'' if conserve else ' raw'}"
     albedos = (importance.WIDTH, importance.HEIGHT)
 
-    def parts(engine: str) -> Parts:
+    def parts(engine: str, at_random: bool = False) -> Parts:
         name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, (layout.width, layout.height), engine)
         kept = lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None
         return Parts(
             name=f"{name} {built_in}", layout=layout,
-            value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel, kept),
+            value=values.value(name, layout, lookup.transform(name, layout, texels, at_random), fresnel, kept),
             albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine), engine == "EEVEE")
             if conserve else None,
             albedo_free=albedo_free,
@@ -68,7 +68,7 @@ def build(
             fresnel=fresnel, conserve=conserve,
         )  # fmt: skip
 
-    both = parts("")
+    both = parts("", at_random=True)
     lobe, for_eevee = lamps.in_cycles(parts("Cycles")), lamps.in_eevee(parts("EEVEE"))
     draw = environment.draw(both, directions)
     tree.nodes.clear()

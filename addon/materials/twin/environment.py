@@ -19,6 +19,9 @@ _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 FLAT_SHARE, FLAT_BELOW = 0.1, 0.3
 
 
+#: What a random number is multiplied by, of which then the part behind the point is one more.
+_LATER_DIGITS = 1000.0
+
 #: Scale below which a direction into the environment is one of two; as in ``shaders/diffraction.osl``.
 RESAMPLED_BELOW = 0.95
 
@@ -144,7 +147,7 @@ def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Val
     if not surface.parts.conserve:
         flat = _flat(graph, cos_r, xi_1, xi_2, own)
         return _either(surface, flat, (x, y, cos_i), weight, xi_3)
-    return _drawn(surface, x, y, cos_i, (r, graph.product(r, r)), turn, weight)
+    return _drawn(surface, x, y, cos_i, (r, graph.product(r, r)), turn, weight, xi_3)
 
 
 def _stretched_viewer(surface: Surface, wr: list[Socket]) -> tuple[Socket, list[Socket], Socket]:
@@ -220,8 +223,9 @@ def _view(graph: Graph, wr: list[Socket], cos_r: Socket, chosen: Socket) -> tupl
 
 
 def _drawn(
-    surface: Surface, x: Socket, y: Socket, cos_i: Socket, radius: tuple[Socket, Socket], turn: Socket, weight: Socket
-) -> tuple[Value, ...]:
+    surface: Surface, x: Socket, y: Socket, cos_i: Socket, radius: tuple[Socket, Socket], turn: Socket, weight: Socket,
+    xi_3: Socket,
+) -> tuple[Value, ...]:  # fmt: skip
     """All outputs from the components of h = wi + wr along t and b, cos(theta_i) and the weight without f cos.
 
     `radius` is the length of (x, y) and its square.
@@ -233,7 +237,8 @@ def _drawn(
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
     solid = weight
     w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
-    rgb, factor = surface.value(radius, turn, w, h)
+    # Others take the third number as it is: its later digits are as random, and their own.
+    rgb, factor = surface.value(radius, turn, w, h, Xi=graph.math("FRACT", graph.product(xi_3, _LATER_DIGITS)))
     weight = graph.product(weight, factor)
     return to, h, rgb, weight, *surface.with_albedo(weight, x, y, cos_i), solid
 
@@ -259,4 +264,4 @@ def _either(surface: Surface, flat: tuple, local: tuple, weight: Socket, xi_3: S
     chosen = graph.fused(is_flat, graph.difference(flat_weight, steep_weight), steep_weight)
     square = graph.fused(x, x, graph.product(y, y))
     radius = graph.math("SQRT", square), square
-    return _drawn(surface, x, y, cos_i, radius, graph.math("ARCTAN2", y, x), chosen)
+    return _drawn(surface, x, y, cos_i, radius, graph.math("ARCTAN2", y, x), chosen, xi_3)

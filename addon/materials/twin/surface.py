@@ -264,10 +264,12 @@ class Surface:
         names = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
         return self.graph.group(tree, **{each: self[each] for each in SHARED if each in names}, **values)
 
-    def value(self, radius: tuple[Socket, Socket], turn: Socket, w: Socket, half: Socket) -> tuple[Socket, Socket]:
+    def value(
+        self, radius: tuple[Socket, Socket], turn: Socket, w: Socket, half: Socket, **random: Socket
+    ) -> tuple[Socket, Socket]:  # fmt: skip
         """`value.value` for a direction: RGB and its factor; `radius` is |(u, v)| and its square."""
         places = dict(zip(("Radius", "Square"), radius, strict=True))
-        found = self.group(self.parts.value, Turn=turn, W=w, Half=half, **places).outputs
+        found = self.group(self.parts.value, Turn=turn, W=w, Half=half, **places, **random).outputs
         return found["Value"], found["Factor"]
 
     def f_cos(self, h: Socket) -> tuple[Socket, Socket, Socket, Value]:
