@@ -57,7 +57,8 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     }  # fmt: skip
     surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER, "Grey": _FLOAT})
     graph = surface.graph
-    rgb, plain, finished, is_more = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
+    h = graph.vector("ADD", given["To"], surface["Viewer"])
+    rgb, plain, finished, is_more = surface.f_cos(h)
     # What stands in a whole lobe's cone is that lobe's; whole lobes that hold each other's lamps share.
     taken = graph.fused(given["Hits"], graph.fused(given["Narrow"], 1e8, 1.0), 1.0)
     weight = graph.quotient(given["Weight"], taken)
@@ -86,7 +87,9 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     more = lobe(graph.product(whole, 0.01))
     more = surface.mixed(graph.math("MAXIMUM", is_dim(whole), surface["IsDiffuse"]), more, rare)
     either = surface.mixed(graph.math("MAXIMUM", is_more, is_dim(plain)), lobe(graph.product(plain, 0.01)), more)
-    graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, either))
+    # Nothing of this is computed for a lamp below the horizon, unless a direction from the environment asks for it.
+    above = surface.mixed(surface.is_above(h), None, either)
+    graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, above))
     return graph.tree
 
 

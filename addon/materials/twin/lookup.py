@@ -168,12 +168,13 @@ def albedo(name: str, found: bpy.types.NodeTree, nearest: bool = False) -> bpy.t
     """Group that gives the directional albedo of the raw model with R = 1, of the surface as it is scaled.
 
     Inputs: cosine of the angle, components against t and b; left tile and part of the next one, shares of three depths
-    (`scaled_place`); 1 in EEVEE. The tiles lie in the image of directions; the first is that of the surface as baked.
+    (`scaled_place`), whether it is scaled at all; 1 where the image is the one that was written; 1 in EEVEE. The tiles lie in the image of directions; the first is that of the surface as baked.
     `nearest` takes one tile without a look at the next one: EEVEE compiles long enough without.
     """
     tree = new_group(f"Diffraction albedo {name}")
     sockets: dict[str, tuple[str, object]] = {each: (_FLOAT, None) for each in ("Cosine", "AgainstT", "AgainstB")}
     sockets |= {"Tile": (_FLOAT, 0.0), "TilePart": (_FLOAT, 0.0), "Shares": (_VECTOR, (1.0, 0.0, 0.0))}
+    sockets |= {"IsScaled": (_FLOAT, 0.0), "Knows": (_FLOAT, 1.0)}
     interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Albedo": _FLOAT})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
@@ -190,13 +191,15 @@ def albedo(name: str, found: bpy.types.NodeTree, nearest: bool = False) -> bpy.t
 
     def tile(place: Socket) -> Socket:
         value = graph.group(found, Place=graph.join(place, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"]
-        return graph.scalar("DOT_PRODUCT", value, given["Shares"])
+        of_scaled = graph.scalar("DOT_PRODUCT", value, given["Shares"])
+        return graph.choose(given["IsScaled"], graph.split(value)[0], of_scaled)
 
     if nearest:
         value = tile(graph.fused(graph.math("ROUND", given["TilePart"]), n_theta / width, column))
     else:
         value = graph.choose(given["TilePart"], tile(column), tile(graph.sum(column, n_theta / width)))
-    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], value)
+    # No albedo is better than a wrong one.
+    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.product(value, given["Knows"]))
     return tree
 
 

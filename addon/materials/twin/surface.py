@@ -40,6 +40,7 @@ SHARED = {
     "TilePart": _FLOAT,
     "Shares": _VECTOR,
     "IsScaled": _FLOAT,
+    "Knows": _FLOAT,
     "PlainFrom": _FLOAT,
     "IsDiffuse": _FLOAT,
     "Limit": _FLOAT,
@@ -123,7 +124,6 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     is_scaled = graph.difference(1.0, graph.product(*is_one))
     scale2 = graph.product(scale, scale)
     tile, tile_part, shares = lookup.scaled_place(graph, parts.layout, scale, depth)
-    shares = graph.scaled(shares, knows)  # no albedo is better than a wrong one
     brightness = graph.product(front, given["Brightness"], 0.25 * parts.layout.scale)
     brightness = graph.product(brightness, graph.product(scale2, graph.math("POWER", depth, parts.layout.power)))
     root = graph.quotient(graph.difference(given["IOR"], 1.0), graph.sum(given["IOR"], 1.0))
@@ -134,7 +134,8 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     if parts.albedo is not None:
         against = {"AgainstT": graph.product(wr_x, -1.0), "AgainstB": graph.product(wr_y, -1.0)}
         found = graph.group(
-            parts.albedo, Cosine=cos_r, EEVEE=eevee, Tile=tile, TilePart=tile_part, Shares=shares, **against
+            parts.albedo, Cosine=cos_r, EEVEE=eevee, Tile=tile, TilePart=tile_part, Shares=shares, IsScaled=is_scaled,
+            Knows=knows, **against,
         ).outputs["Albedo"]  # fmt: skip
         albedo_r = graph.math("MAXIMUM", found, 1.0)
     return {
@@ -143,7 +144,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
         "Gain": graph.math("MAXIMUM", graph.quotient(brightness, cos_r), 0.0),
         "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
         "Scale": scale, "Scale2": scale2, "Depth": depth, "Tile": tile, "TilePart": tile_part, "Shares": shares,
-        "IsScaled": is_scaled,
+        "IsScaled": is_scaled, "Knows": knows,
         # the cosine below which a lobe is more than its plain f cos: where albedos count, for diffuse rays everywhere
         "PlainFrom": graph.fused(is_diffuse, 2.0, graph.choose(is_scaled, parts.albedo_free, 2.0)),
         # of f cos: none for other rays than diffuse ones
@@ -280,13 +281,18 @@ class Surface:
         """
         graph = self.graph
         x, y, w = (graph.scalar("DOT_PRODUCT", self[axis], h) for axis in "TBN")
-        gain = graph.product(graph.math("GREATER_THAN", w, self["CosR"]), self["Gain"])
+        gain = graph.product(self.is_above(h), self["Gain"])
         cos_i = graph.difference(w, self["CosR"])
         w, gain = self.behind_face(w, cos_i, gain)
         square = graph.fused(x, x, graph.product(y, y))
         rgb, factor = self.value((graph.math("SQRT", square), square), graph.math("ARCTAN2", y, x), w, h)
         gain = graph.product(gain, factor)
         return rgb, gain, *self.with_albedo(gain, x, y, cos_i)
+
+    def is_above(self, h: Socket) -> Socket:
+        """1 where the light lies above the surface, by the sum h of the directions to light and viewer."""
+        w = self.graph.scalar("DOT_PRODUCT", self["N"], h)
+        return self.graph.math("GREATER_THAN", w, self["CosR"])
 
     def with_albedo(self, gain: Socket, x: Socket, y: Socket, cos_i: Socket) -> tuple[Socket, Value]:
         """A factor with the larger of the light's albedo and the viewer's where that passes 1, and whether it may.
