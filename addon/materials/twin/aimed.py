@@ -165,8 +165,7 @@ def _far(
     to
         Unit.
     gain
-        The solid angle per area in units of its mean over the lamp, taken at four points that integrate cubics over
-        the square or the disc exactly.
+        The solid angle per area in units of its mean over the lamp, taken at four points, see `_inner_point`.
     omega
         Solid angle per probability: that of the part of the lamp that shines, evenly drawn.
     low, high
@@ -236,10 +235,10 @@ def _far(
     of_disc = graph.quotient(graph.difference(1.0, of_disc), graph.math("MAXIMUM", *edges))
     clear = graph.math("MAXIMUM", graph.choose(is_round, of_strip, of_disc), 1.0)
 
-    part = graph.sum(graph.product(lamp.is_rectangle, 1.0 / math.sqrt(3.0) - 0.5), 0.5)
+    inner = [graph.scaled(each, _inner_point(graph, each, other, lamp)) for each, other in ((u, v), (v, u))]
     total: Any = None
     for sign in ("ADD", "SUBTRACT"):
-        corner = graph.scaled(graph.vector(sign, u, v), part)
+        corner = graph.vector(sign, *inner)
         for way in ("ADD", "SUBTRACT"):
             one = graph.math("POWER", graph.scalar("LENGTH", graph.vector(way, middle, corner)), -3.0)
             total = one if total is None else graph.sum(total, one)
@@ -249,6 +248,25 @@ def _far(
     omega = graph.product(omega, nearness, counts)
     omega = graph.quotient(omega, graph.product(*covered))
     return graph.vector("NORMALIZE", to), gain, omega, low, high, clear
+
+
+def _inner_point(graph: Graph, axis: Socket, other: Socket, lamp: Seen) -> Socket:
+    """Where along a half axis the mean of one over the distance cubed is taken, as a part of it.
+
+    Over a thin lamp seen from the front, of the half length t in units of the distance, the mean of
+    (1 + (t x)^2)^-1.5 is (1 + t^2)^-0.5, its value at x^2 = ((1 + t^2)^(1/3) - 1) / t^2. A rectangle that is wide both
+    ways counts as farther away: with a quarter of its other half axis squared the mean is within 0.2 % up to half axes
+    of the distance, where the points of a small lamp give 11 % less. Of a disc 2 (1 - (1 + t^2)^-0.5) / t^2 is the
+    value at x = y with x^2 = ((1 + t^2)^a - 1) / (4 a t^2) and a = 0.58, to the fourth order of t. For small lamps
+    these are 1 / 3 and 1 / 4, which integrate cubics exactly.
+    """
+    beside = graph.product(lamp.is_rectangle, graph.scalar("DOT_PRODUCT", other, other))
+    away = graph.fused(lamp.distance, lamp.distance, graph.product(beside, 0.25))
+    square = graph.quotient(graph.scalar("DOT_PRODUCT", axis, axis), away)
+    power = graph.fused(lamp.is_rectangle, 1.0 / 3.0 - 0.58, 0.58)
+    of_small = graph.fused(lamp.is_rectangle, 1.0 - 0.25 / 0.58, 0.25 / 0.58)
+    grown = graph.difference(graph.math("POWER", graph.sum(square, 1.0), power), 1.0)
+    return graph.math("SQRT", graph.product(of_small, graph.quotient(grown, square)))
 
 
 def _stretched(graph: Graph, place: Socket, room: Socket, is_round: Socket, has_spread: Socket) -> Socket:

@@ -67,21 +67,33 @@ def seen(graph: Graph, position: Socket, lamp: Any) -> Seen:
     from_here = graph.scaled(position, graph.difference(1.0, is_sun))
     offset = graph.vector("SUBTRACT", lamp["Place"], from_here)
     u, v = lamp["U"], lamp["V"]
-    diagonal = graph.math("SQRT", graph.sum(graph.scalar("DOT_PRODUCT", u, u), graph.scalar("DOT_PRODUCT", v, v)))
-    extent = graph.choose(is_area, size, diagonal)
-    distance = graph.scalar("LENGTH", offset)
-    sine = graph.quotient(extent, distance)
+    axis, distance = graph.vector("NORMALIZE", offset), graph.scalar("LENGTH", offset)
+    sine = graph.quotient(size, distance)
     of_ball = graph.math("ARCSINE", graph.math("MINIMUM", sine, 1.0))
-    radius = graph.choose(is_sun, of_ball, graph.product(size, 0.5))
+    radius = graph.choose(is_area, of_ball, _of_area(graph, axis, distance, u, v))
+    radius = graph.choose(is_sun, radius, graph.product(size, 0.5))
     # Of an uneven ball alone this depends on the place.
     is_within = graph.product(lamp["Uneven"], graph.difference(1.0, graph.sum(is_sun, is_area)))
     is_within = graph.product(is_within, graph.math("GREATER_THAN", sine, 0.9))
     is_on = graph.product(graph.math("GREATER_THAN", kind, 0.5), graph.difference(1.0, is_within))
     return Seen(
-        axis=graph.vector("NORMALIZE", offset), distance=distance, radius=radius,
-        held=graph.fused(radius, 1.02, 0.002), offset=offset, u=u, v=v, is_on=is_on, is_sun=is_sun, is_area=is_area,
+        axis=axis, distance=distance, radius=radius, held=graph.fused(radius, 1.02, 0.002), offset=offset, u=u, v=v,
+        is_on=is_on, is_sun=is_sun, is_area=is_area,
         is_rectangle=graph.math("COMPARE", kind, float(slots.KINDS["RECTANGLE"]), 0.25),
     )  # fmt: skip
+
+
+def _of_area(graph: Graph, axis: Socket, distance: Socket, u: Socket, v: Socket) -> Socket:
+    """Angle between the middle of an area lamp and its farthest corner, or a little more.
+
+    A corner m nearer along the axis stands sqrt(c^2 - m^2) off it, with c half the diagonal. Corners lie as far as
+    |u axis| + |v axis| nearer; of all points of a ball of radius c those c^2 / distance nearer look farthest off.
+    """
+    square = graph.sum(graph.scalar("DOT_PRODUCT", u, u), graph.scalar("DOT_PRODUCT", v, v))
+    leans = [graph.math("ABSOLUTE", graph.scalar("DOT_PRODUCT", each, axis)) for each in (u, v)]
+    nearer = graph.math("MINIMUM", graph.sum(*leans), graph.quotient(square, distance))
+    off = graph.math("SQRT", graph.difference(square, graph.product(nearer, nearer)))
+    return graph.math("ARCTAN2", off, graph.difference(distance, nearer))
 
 
 def place() -> bpy.types.NodeTree:
