@@ -168,7 +168,8 @@ def albedo(name: str, found: bpy.types.NodeTree, nearest: bool = False) -> bpy.t
     """Group that gives the directional albedo of the raw model with R = 1, of the surface as it is scaled.
 
     Inputs: cosine of the angle, components against t and b; left tile and part of the next one, shares of three depths
-    (`scaled_place`), whether it is scaled at all; 1 where the image is the one that was written; 1 in EEVEE. The tiles lie in the image of directions; the first is that of the surface as baked.
+    (`scaled_place`), whether it is scaled at all; 1 where the image is the one that was written; 1 in EEVEE. The tiles
+    lie in the image of directions; the first is that of the surface as baked.
     `nearest` takes one tile without a look at the next one: EEVEE compiles long enough without.
     """
     tree = new_group(f"Diffraction albedo {name}")
