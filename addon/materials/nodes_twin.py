@@ -22,7 +22,7 @@ from .twin import value as values
 from .twin.surface import Parts, Surface, shared
 
 #: Changes with the nodes: a group that another version made is built anew.
-VERSION = 19
+VERSION = 20
 
 
 def build(
@@ -55,12 +55,12 @@ def build(
     built_in = f"{fresnel.lower()}{'' if conserve else ' raw'}"
     albedos = (importance.WIDTH, importance.HEIGHT)
 
-    def parts(engine: str) -> Parts:
+    def parts(engine: str, at_random: bool = False) -> Parts:
         name, texels = f"{stem} {engine}".rstrip(), lookup.texels(atlas, (layout.width, layout.height), engine)
         kept = lookup.reflectance(name, layout, texels) if layout.holds_reflectance else None
         return Parts(
             name=f"{name} {built_in}", layout=layout,
-            value=values.value(name, layout, lookup.transform(name, layout, texels), fresnel, kept),
+            value=values.value(name, layout, lookup.transform(name, layout, texels, at_random), fresnel, kept),
             albedo=lookup.albedo(name, lookup.texels(directions, albedos, engine), engine == "EEVEE")
             if conserve else None,
             albedo_free=albedo_free,
@@ -68,7 +68,7 @@ def build(
             fresnel=fresnel, conserve=conserve,
         )  # fmt: skip
 
-    both = parts("")
+    both = parts("", at_random=True)
     lobe, for_eevee = lamps.in_cycles(parts("Cycles")), lamps.in_eevee(parts("EEVEE"))
     draw = environment.draw(both, directions)
     tree.nodes.clear()
@@ -116,6 +116,7 @@ def _lamps(
     closure: Any = None
     shown: Any = None
     drawn_grey = [environment.grey_of_plain(graph, one) for one in directions if one is not None]
+    far: Value = 1.0  # where the drawn direction passes by all lamps
     outside: list[Value] = [1.0, 1.0]
     outside_in_eevee = enabled
     f_cos = graph.product(lamps.grey_of(graph, drawn["RGB"]), drawn["Finished"])
@@ -131,16 +132,13 @@ def _lamps(
             places = one[f"Outside{name}"], one[f"Around{name}"]
             part = environment.left(graph, *places, graph.product(lit["Grey"], one["Gain"]), drawn_grey[number])
             outside[number] = graph.product(outside[number], part)
+        far = graph.product(far, one["Outside"])
         if slot <= lamps.EEVEE_LAMPS_MAX:
             sockets: dict[str, Any] = {name: lamp[name] for name in lamp_nodes.OUTPUTS}
             by_eevee = surface.group(for_eevee, **sockets, To=drawn["To"], Drawn=f_cos).outputs
             shown = by_eevee["Colour"] if shown is None else graph.vector("ADD", shown, by_eevee["Colour"])
             outside_in_eevee = graph.product(outside_in_eevee, by_eevee["Outside"])
-    plain = _mirror(surface, drawn, graph.product(drawn["Weight"], outside[0]))
-    if surface.parts.albedo is not None:
-        plain = surface.mixed(
-            drawn["Special"], plain, _mirror(surface, drawn, graph.product(drawn["Finished"], outside[0]))
-        )
+    plain = _mirrors(surface, drawn, far, outside[0])
     if again is not None:
         xi = graph.split(random)[2]
         chosen, factor = environment.one_of_two(graph, drawn, again, (outside[0], outside[1]), xi)
@@ -159,8 +157,7 @@ def _aimed(
     surface: Surface, listed: list[Any], random: Socket, directions: tuple[Any, Any]
 ) -> tuple[list[Any], Any]:  # fmt: skip
     """Outputs of `aimed.aimed` for each slot, and those of `seen.hits`."""
-    graph, position = surface.graph, surface["Position"]
-    jitter, place, lobe = aimed.jitter(graph, random), seen.place(), aimed.aimed()
+    graph, position, place, lobe = surface.graph, surface["Position"], seen.place(), aimed.aimed()
     each = [{name: lamp[name] for name in lamp_nodes.OUTPUTS} | {"Position": position} for lamp in listed]
     places = [graph.group(place, **one).outputs for one in each]
     named: dict[str, Any] = {f"Axis {slot}": one["Axis"] for slot, one in enumerate(places, 1)}
@@ -168,12 +165,30 @@ def _aimed(
     gaps = graph.group(seen.gaps(), **named, **edges).outputs
     lobes = []
     for slot, one in enumerate(each, 1):
-        more: dict[str, Any] = {"Random": random, "Jitter": jitter, "Step": aimed.step(slot)}
+        more: dict[str, Any] = {"Random": random, "Step": aimed.step(slot)}
         more |= {name: one["To"] for name, one in zip(("Drawn", "Drawn Again"), directions, strict=True) if one}
         lobes.append(graph.group(lobe, **one, **more, Cone=surface["Cone"], Gap=gaps[f"Gap {slot}"]).outputs)
     for slot, aim in enumerate(lobes, 1):
         named |= {f"Aim {slot}": aim["Aim"], f"Cosine {slot}": aim["Cosine"]}
     return lobes, graph.group(seen.hits(), **named).outputs
+
+
+def _mirrors(surface: Surface, drawn: Any, far: Value, outside: Value) -> Socket:
+    """The mirror into the drawn direction, which passes by all lamps or is left to them in part.
+
+    What a lamp leaves is asked near one alone, the albedos where they count: Cycles steps over what only another branch
+    of a Mix Shader needs, and computes beforehand what two of them do.
+    """
+    graph = surface.graph
+
+    def by_way(name: str) -> Socket:
+        near = _mirror(surface, drawn, graph.product(drawn[name], outside))
+        return surface.mixed(graph.for_cycles(far), near, _mirror(surface, drawn, drawn[name]))
+
+    if surface.parts.albedo is None:
+        return by_way("Weight")
+    is_plain = graph.for_cycles(graph.math("GREATER_THAN", far, drawn["Special"]))  # a factor above 1 is 1
+    return surface.mixed(is_plain, by_way("Finished"), _mirror(surface, drawn, drawn["Weight"]))
 
 
 def _mirror(surface: Surface, drawn: Any, weight: Socket) -> Socket:

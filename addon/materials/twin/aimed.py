@@ -30,7 +30,7 @@ _LATTICE = (0.8191725134, 0.6710436067, 0.5497004779)
 
 #: Inputs of the group beside a lamp's, and outputs.
 _INPUTS = {
-    "Position": _VECTOR, "Cone": _FLOAT, "Random": _VECTOR, "Jitter": _VECTOR, "Step": _VECTOR, "Gap": _FLOAT,
+    "Position": _VECTOR, "Cone": _FLOAT, "Random": _VECTOR, "Step": _VECTOR, "Gap": _FLOAT,
     "Drawn": _VECTOR, "Drawn Again": _VECTOR,
 }  # fmt: skip
 OUTPUTS = {
@@ -38,11 +38,6 @@ OUTPUTS = {
     "Narrow": _FLOAT,
     "On": _FLOAT, "Outside": _FLOAT, "Outside Again": _FLOAT, "Around": _FLOAT, "Around Again": _FLOAT,
 }  # fmt: skip
-
-
-def jitter(graph: Graph, random: Socket) -> Socket:
-    """A random vector in a cube that has, from any side, the mean square of a disc of radius 1."""
-    return graph.vector("MULTIPLY_ADD", random, (math.sqrt(3.0),) * 3, (-0.5 * math.sqrt(3.0),) * 3)
 
 
 def step(slot: int) -> tuple[float, float, float]:
@@ -147,8 +142,13 @@ def _narrow_width(graph: Graph, given: Any, lamp: Seen) -> Socket:
 
 
 def _near(graph: Graph, given: Any, lamp: Seen) -> Socket:
-    """A random direction to a small sun: of the same mean square, the same random numbers for all."""
-    to = graph.vector("MULTIPLY_ADD", given["Jitter"], lamp.radius, lamp.axis)
+    """A random direction to a small sun: of the same mean square, the same random numbers for all.
+
+    That of a cube which has, from any side, the mean square of the disc. Cycles folds all but the sum.
+    """
+    side = graph.product(lamp.radius, math.sqrt(3.0))
+    corner = graph.vector("SUBTRACT", lamp.axis, graph.product(side, 0.5))
+    to = graph.vector("MULTIPLY_ADD", given["Random"], side, corner)
     return graph.vector("NORMALIZE", to)
 
 

@@ -19,6 +19,9 @@ _FLOAT, _VECTOR = "NodeSocketFloat", "NodeSocketVector"
 FLAT_SHARE, FLAT_BELOW = 0.1, 0.3
 
 
+#: What a random number is multiplied by, of which then the part behind the point is one more.
+_LATER_DIGITS = 1000.0
+
 #: Scale below which a direction into the environment is one of two; as in ``shaders/diffraction.osl``.
 RESAMPLED_BELOW = 0.95
 
@@ -144,7 +147,7 @@ def _draw(surface: Surface, image: bpy.types.Image, random: Socket) -> tuple[Val
     if not surface.parts.conserve:
         flat = _flat(graph, cos_r, xi_1, xi_2, own)
         return _either(surface, flat, (x, y, cos_i), weight, xi_3)
-    return _drawn(surface, x, y, cos_i, (r, graph.product(r, r)), turn, weight)
+    return _drawn(surface, x, y, cos_i, (r, graph.product(r, r)), turn, weight, xi_3)
 
 
 def _stretched_viewer(surface: Surface, wr: list[Socket]) -> tuple[Socket, list[Socket], Socket]:
@@ -192,36 +195,52 @@ def _depth_set(surface: Surface, stretch: Socket, cos_d: Socket) -> Socket:
 
 
 def _view(graph: Graph, wr: list[Socket], cos_r: Socket, chosen: Socket) -> tuple[Socket, Socket]:
-    """Row of the image as a part of its height, and a third of dr / ds at the specular peak."""
-    step, is_other = float(importance.AZIMUTHS_STEP), graph.math("MINIMUM", chosen, 1.0)
-    fewer = float(importance.AZIMUTHS_SETS - importance.AZIMUTHS_MAX)
-    most = graph.sum(graph.product(is_other, fewer), float(importance.AZIMUTHS_MAX))
-    full = graph.product(most, 1.0 / step)
-    # A root of less than 0 is 0, and so is a quotient by 0 and a logarithm of less.
-    sin_r = graph.math("SQRT", graph.difference(1.0, graph.product(cos_r, cos_r)))
-    tangent = graph.quotient(graph.sum(sin_r, 1.0), cos_r)
-    i = graph.math("LOGARITHM", tangent, math.exp(importance.VIEW_END / importance.N_VIEWS))
-    i = graph.math("MINIMUM", graph.math("FLOOR", graph.sum(i, 0.5)), importance.N_VIEWS - 1.0)
-    below = graph.math("MINIMUM", i, full)
-    count = graph.math("MAXIMUM", graph.product(below, step), 1.0)
-    # 1 + step (1 + 2 + ... (below - 1)) + most (i - below) for i > 0
-    first = graph.fused(below, graph.fused(below, 0.5 * step, -0.5 * step), graph.math("MINIMUM", i, 1.0))
-    first = graph.fused(graph.difference(i, below), most, first)
+    """Row of the image as a part of its height, and a third of dr / ds at the specular peak.
+
+    Any view would do: a colour ramp over sin_r^2, which has 256 steps, knows the polar angle well enough, and what
+    hangs on it.
+    """
+    sine2 = graph.difference(1.0, graph.product(cos_r, cos_r))
+    first, others = (_of_polar_angle(graph, sine2, number) for number in (0, 1))
+    is_other = graph.math("MINIMUM", chosen, 1.0)
+    start, per_radian, middle = graph.split(graph.mix(is_other, first.outputs["Color"], others.outputs["Color"]))
     # Counted as the viewer's albedo counts: where that is looked up Cycles takes one arc tangent for both.
     against = graph.math("ARCTAN2", *(graph.product(each, -1.0) for each in reversed(wr)))
-    turn = graph.fused(against, 0.5 / math.pi, 0.5)
-    j = graph.math("FLOORED_MODULO", graph.math("FLOOR", graph.fused(turn, count, 0.5)), count)
-    row = graph.sum(graph.product(chosen, float(importance.SET_VIEWS)), graph.sum(first, j))
-    row = graph.sum(graph.product(is_other, float(importance.FIRST_VIEWS - importance.SET_VIEWS)), row)
-    row = graph.fused(row, 1.0 / importance.HEIGHT, 0.5 / importance.HEIGHT)
-    wide = 2.0 * importance.VIEW_END / importance.N_VIEWS
-    end = graph.math("POWER", math.exp(wide), graph.sum(i, 0.5))
-    return row, graph.math("MINIMUM", graph.quotient(2.0, graph.sum(end, 1.0)), 2.0 / 3.0)
+    count = graph.product(per_radian, 2.0 * math.pi)
+    j = graph.math("FLOOR", graph.math("FLOORED_MODULO", graph.fused(against, per_radian, middle), count))
+    row = graph.fused(j, 1.0 / importance.HEIGHT, start)
+    further = graph.math("MAXIMUM", graph.difference(chosen, 1.0), 0.0)
+    row = graph.sum(row, graph.product(further, importance.SET_VIEWS / importance.HEIGHT))
+    return row, first.outputs["Alpha"]
+
+
+def _of_polar_angle(graph: Graph, sine2: Socket, chosen: int) -> bpy.types.Node:
+    """Colour ramp: the middle of a polar angle's first row as a part of the image's height, its views per radian, half
+    of them and a half; and a third of dr / ds (`importance._peak_slope`)."""
+    node: Any = graph.add("ShaderNodeValToRGB")
+    graph.put(node.inputs[0], sine2)
+    ramp = node.color_ramp
+    ramp.interpolation = "CONSTANT"
+    step = importance.VIEW_END / importance.N_VIEWS
+    for i in range(importance.N_VIEWS):
+        # Cycles rounds places down to a 255th.
+        place = max(math.tanh((i - 0.5) * step) ** 2 - 0.5 / 255.0, 0.0) if i else 0.0
+        if i < 2:
+            element = ramp.elements[i]
+            element.position = place
+        else:
+            element = ramp.elements.new(place)
+        count = importance.azimuths(i, chosen)
+        start = (importance.first_view(i, chosen) + 0.5) / importance.HEIGHT
+        slope = min(1.0 - math.tanh((i + 0.5) * step), 2.0 / 3.0)
+        element.color = (start, count / (2.0 * math.pi), 0.5 * count + 0.5, slope)
+    return node
 
 
 def _drawn(
-    surface: Surface, x: Socket, y: Socket, cos_i: Socket, radius: tuple[Socket, Socket], turn: Socket, weight: Socket
-) -> tuple[Value, ...]:
+    surface: Surface, x: Socket, y: Socket, cos_i: Socket, radius: tuple[Socket, Socket], turn: Socket, weight: Socket,
+    xi_3: Socket,
+) -> tuple[Value, ...]:  # fmt: skip
     """All outputs from the components of h = wi + wr along t and b, cos(theta_i) and the weight without f cos.
 
     `radius` is the length of (x, y) and its square.
@@ -233,7 +252,8 @@ def _drawn(
     to = graph.vector("SUBTRACT", h, surface["Viewer"])
     solid = weight
     w, weight = surface.behind_face(w, cos_i, graph.product(weight, surface["Gain"]))
-    rgb, factor = surface.value(radius, turn, w, h)
+    # Others take the third number as it is: its later digits are as random, and their own.
+    rgb, factor = surface.value(radius, turn, w, h, Xi=graph.math("FRACT", graph.product(xi_3, _LATER_DIGITS)))
     weight = graph.product(weight, factor)
     return to, h, rgb, weight, *surface.with_albedo(weight, x, y, cos_i), solid
 
@@ -259,4 +279,4 @@ def _either(surface: Surface, flat: tuple, local: tuple, weight: Socket, xi_3: S
     chosen = graph.fused(is_flat, graph.difference(flat_weight, steep_weight), steep_weight)
     square = graph.fused(x, x, graph.product(y, y))
     radius = graph.math("SQRT", square), square
-    return _drawn(surface, x, y, cos_i, radius, graph.math("ARCTAN2", y, x), chosen)
+    return _drawn(surface, x, y, cos_i, radius, graph.math("ARCTAN2", y, x), chosen, xi_3)

@@ -57,16 +57,18 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     }  # fmt: skip
     surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER, "Grey": _FLOAT})
     graph = surface.graph
-    rgb, plain, finished, is_more = surface.f_cos(graph.vector("ADD", given["To"], surface["Viewer"]))
+    h = graph.vector("ADD", given["To"], surface["Viewer"])
+    rgb, plain, finished, is_more = surface.f_cos(h)
     # What stands in a whole lobe's cone is that lobe's; whole lobes that hold each other's lamps share.
     taken = graph.fused(given["Hits"], graph.fused(given["Narrow"], 1e8, 1.0), 1.0)
     weight = graph.quotient(given["Weight"], taken)
-    size = graph.for_cycles(graph.product(given["Width"], 0.02 / math.pi))
+    size = graph.product(given["Width"], 2.0 / math.pi)
     normal = graph.vector("ADD", given["Aim"], surface["Viewer"])  # Cycles normalises it
 
-    def lobe(colour: Socket) -> Socket:
+    def lobe(hundredth: Socket) -> Socket:
         node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
-        graph.put(node.inputs["Color"], graph.join(*(graph.for_cycles(each) for each in graph.split(colour))))
+        # What EEVEE needs for the factors below it computes anyway: only what comes on top is kept from it.
+        graph.put(node.inputs["Color"], graph.scaled(rgb, graph.for_cycles(hundredth)))
         graph.put(node.inputs["Size"], size)
         graph.put(node.inputs["Smooth"], 0.0)
         graph.put(node.inputs["Normal"], normal)
@@ -81,13 +83,13 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
 
     whole = graph.product(finished, weight)
     limited = graph.product(surface.limited(finished, *graph.split(rgb)), weight)
-    rare = lobe(graph.scaled(rgb, kept(graph, grey, limited, given["Chance"])))
-    more = lobe(graph.scaled(rgb, graph.product(whole, 0.01)))
+    rare = lobe(kept(graph, grey, limited, given["Chance"]))
+    more = lobe(graph.product(whole, 0.01))
     more = surface.mixed(graph.math("MAXIMUM", is_dim(whole), surface["IsDiffuse"]), more, rare)
-    either = surface.mixed(
-        graph.math("MAXIMUM", is_more, is_dim(plain)), lobe(graph.scaled(rgb, graph.product(plain, 0.01))), more
-    )
-    graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, either))
+    either = surface.mixed(graph.math("MAXIMUM", is_more, is_dim(plain)), lobe(graph.product(plain, 0.01)), more)
+    # Nothing of this is computed for a lamp below the horizon, unless a direction from the environment asks for it.
+    above = surface.mixed(surface.is_above(h), None, either)
+    graph.put(output.inputs["Lobe"], surface.mixed(given["On"], None, above))
     return graph.tree
 
 

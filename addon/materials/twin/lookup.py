@@ -99,14 +99,20 @@ def _arsinh(graph: Graph, x: Socket, x2: Socket, scale: float, per_unit: float, 
     return graph.math("LOGARITHM", graph.fused(x, k, root), math.exp(1.0 / per_unit))
 
 
-def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.types.NodeTree:
+def transform(
+    name: str, layout: TableLayout, found: bpy.types.NodeTree, at_random: bool = False
+) -> bpy.types.NodeTree:  # fmt: skip
     """Group (|(u, v)| and its square, angle of (-u, -v), |w|, 1 in EEVEE) -> XYZ of T / scale / |w|^power, a factor.
 
     The angle lies between -pi and pi. What is left out is left to the caller, see `gain`; the factor, a number, is not
     multiplied in yet.
+
+    Between two slices of |w| the table is linear. A direction that is drawn anyway takes one of the two (``at_random``,
+    by a random number ``Xi``), each as often as it counts: the same mean for half the lookups.
     """
-    tree = new_group(f"Diffraction table {name}")
-    sockets = {each: (_FLOAT, None) for each in ("Radius", "Square", "Turn", "W")} | {"EEVEE": (_FLOAT, 0.0)}
+    tree = new_group(f"Diffraction table {name}{' at random' if at_random else ''}")
+    names = ("Radius", "Square", "Turn", "W", *(("Xi",) if at_random else ()))
+    sockets = {each: (_FLOAT, None) for each in names} | {"EEVEE": (_FLOAT, 0.0)}
     interface(tree, sockets, {"Value": _VECTOR, "Factor": _FLOAT})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
@@ -123,27 +129,32 @@ def transform(name: str, layout: TableLayout, found: bpy.types.NodeTree) -> bpy.
     # Between the first two slices it is that of 1 / |w|: a constant T, as a mirror has it, stays so.
     over = graph.quotient(layout.w_min, w)
     first = graph.clamp(graph.fused(over, -layout.first_share, layout.first_share), 0.0, 1.0)
-    position = graph.clamp(position, first, layout.n_w - 1.0)
-    lower = graph.math("MINIMUM", graph.math("FLOOR", position), layout.n_w - 2.0)
+    if at_random:
+        # A little less than the last slice: a sum with 0.9999999 would be rounded up to the one after it.
+        position = graph.clamp(position, first, layout.n_w - 1.0 - 1e-5)
+        lower = graph.math("FLOOR", graph.sum(position, given["Xi"]))
+    else:
+        position = graph.clamp(position, first, layout.n_w - 1.0)
+        lower = graph.math("MINIMUM", graph.math("FLOOR", position), layout.n_w - 2.0)
     columns, step = float(layout.tile_columns), layout.tile_height / height
+    steps = (0.0,) if at_random else (0.0, 1.0)
     if layout.width == layout.tile_columns * layout.n_r:  # tiles fill the atlas: its repetition wraps the columns
         x = graph.fused(lower, layout.n_r / width, x)
-        across = [x, graph.sum(x, layout.n_r / width)]
+        across = [x, *(graph.sum(x, each * layout.n_r / width) for each in steps[1:])]
     else:
         across = [
-            graph.fused(graph.math("MODULO", graph.sum(lower, each), columns), layout.n_r / width, x)
-            for each in (0.0, 1.0)
+            graph.fused(graph.math("MODULO", graph.sum(lower, each), columns), layout.n_r / width, x) for each in steps
         ]
     values = []
-    for each, place_x in zip((0.5, 1.5), across, strict=True):
-        tile_row = graph.math("FLOOR", graph.fused(lower, 1.0 / columns, each / columns))
+    for each, place_x in zip(steps, across, strict=True):
+        tile_row = graph.math("FLOOR", graph.fused(lower, 1.0 / columns, (each + 0.5) / columns))
         place = graph.join(place_x, graph.fused(tile_row, step, y), 0.0)
         values.append(graph.group(found, Place=place, EEVEE=given["EEVEE"]).outputs["Value"])
     below = graph.math("MAXIMUM", over, 1.0)  # below slice 0 T is that of slice 0
     if layout.power != 1.0:
         below = graph.math("POWER", below, layout.power)
     out = graph.add("NodeGroupOutput").inputs
-    graph.put(out["Value"], graph.mix(graph.difference(position, lower), *values))
+    graph.put(out["Value"], values[0] if at_random else graph.mix(graph.difference(position, lower), *values))
     graph.put(out["Factor"], below)
     return tree
 
@@ -157,12 +168,14 @@ def albedo(name: str, found: bpy.types.NodeTree, nearest: bool = False) -> bpy.t
     """Group that gives the directional albedo of the raw model with R = 1, of the surface as it is scaled.
 
     Inputs: cosine of the angle, components against t and b; left tile and part of the next one, shares of three depths
-    (`scaled_place`); 1 in EEVEE. The tiles lie in the image of directions; the first is that of the surface as baked.
+    (`scaled_place`), whether it is scaled at all; 1 where the image is the one that was written; 1 in EEVEE. The tiles
+    lie in the image of directions; the first is that of the surface as baked.
     `nearest` takes one tile without a look at the next one: EEVEE compiles long enough without.
     """
     tree = new_group(f"Diffraction albedo {name}")
     sockets: dict[str, tuple[str, object]] = {each: (_FLOAT, None) for each in ("Cosine", "AgainstT", "AgainstB")}
     sockets |= {"Tile": (_FLOAT, 0.0), "TilePart": (_FLOAT, 0.0), "Shares": (_VECTOR, (1.0, 0.0, 0.0))}
+    sockets |= {"IsScaled": (_FLOAT, 0.0), "Knows": (_FLOAT, 1.0)}
     interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Albedo": _FLOAT})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
@@ -179,13 +192,15 @@ def albedo(name: str, found: bpy.types.NodeTree, nearest: bool = False) -> bpy.t
 
     def tile(place: Socket) -> Socket:
         value = graph.group(found, Place=graph.join(place, row, 0.0), EEVEE=given["EEVEE"]).outputs["Value"]
-        return graph.scalar("DOT_PRODUCT", value, given["Shares"])
+        of_scaled = graph.scalar("DOT_PRODUCT", value, given["Shares"])
+        return graph.choose(given["IsScaled"], graph.split(value)[0], of_scaled)
 
     if nearest:
         value = tile(graph.fused(graph.math("ROUND", given["TilePart"]), n_theta / width, column))
     else:
         value = graph.choose(given["TilePart"], tile(column), tile(graph.sum(column, n_theta / width)))
-    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], value)
+    # No albedo is better than a wrong one.
+    graph.put(graph.add("NodeGroupOutput").inputs["Albedo"], graph.product(value, given["Knows"]))
     return tree
 
 

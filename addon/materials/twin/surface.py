@@ -40,6 +40,7 @@ SHARED = {
     "TilePart": _FLOAT,
     "Shares": _VECTOR,
     "IsScaled": _FLOAT,
+    "Knows": _FLOAT,
     "PlainFrom": _FLOAT,
     "IsDiffuse": _FLOAT,
     "Limit": _FLOAT,
@@ -123,7 +124,6 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     is_scaled = graph.difference(1.0, graph.product(*is_one))
     scale2 = graph.product(scale, scale)
     tile, tile_part, shares = lookup.scaled_place(graph, parts.layout, scale, depth)
-    shares = graph.scaled(shares, knows)  # no albedo is better than a wrong one
     brightness = graph.product(front, given["Brightness"], 0.25 * parts.layout.scale)
     brightness = graph.product(brightness, graph.product(scale2, graph.math("POWER", depth, parts.layout.power)))
     root = graph.quotient(graph.difference(given["IOR"], 1.0), graph.sum(given["IOR"], 1.0))
@@ -134,7 +134,8 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
     if parts.albedo is not None:
         against = {"AgainstT": graph.product(wr_x, -1.0), "AgainstB": graph.product(wr_y, -1.0)}
         found = graph.group(
-            parts.albedo, Cosine=cos_r, EEVEE=eevee, Tile=tile, TilePart=tile_part, Shares=shares, **against
+            parts.albedo, Cosine=cos_r, EEVEE=eevee, Tile=tile, TilePart=tile_part, Shares=shares, IsScaled=is_scaled,
+            Knows=knows, **against,
         ).outputs["Albedo"]  # fmt: skip
         albedo_r = graph.math("MAXIMUM", found, 1.0)
     return {
@@ -143,7 +144,7 @@ def shared(graph: Graph, given: Any, parts: Parts, rows: tuple[Socket, ...], kno
         "Gain": graph.math("MAXIMUM", graph.quotient(brightness, cos_r), 0.0),
         "AlbedoR": albedo_r, "WrX": wr_x, "WrY": wr_y,
         "Scale": scale, "Scale2": scale2, "Depth": depth, "Tile": tile, "TilePart": tile_part, "Shares": shares,
-        "IsScaled": is_scaled,
+        "IsScaled": is_scaled, "Knows": knows,
         # the cosine below which a lobe is more than its plain f cos: where albedos count, for diffuse rays everywhere
         "PlainFrom": graph.fused(is_diffuse, 2.0, graph.choose(is_scaled, parts.albedo_free, 2.0)),
         # of f cos: none for other rays than diffuse ones
@@ -188,20 +189,22 @@ def _frame(graph: Graph, given: Any, n: Socket, in_eevee: Socket) -> tuple[Socke
     is_given = graph.math("GREATER_THAN", graph.scalar("LENGTH", given["Tangent"]), 0.0)
     columns = _columns(graph)
     read = [graph.add("ShaderNodeAttribute", attribute_name=name) for name in ("tangent", "tangent_sign")]
-    along, sign = _in_world(graph, read[0].outputs["Vector"]), read[1].outputs["Fac"]
+    # Without a UV map: along the object's x, or z where that stands upright.
+    least = (1e-5, 0.0, 1e-9)
+    along = _in_world(graph, graph.vector("ADD", read[0].outputs["Vector"], least))
+    sign = read[1].outputs["Fac"]
     along_uv, across_uv = frame.uv_frame(graph.tree)
     node: Any
     for node in (along_uv.node, across_uv.node):
         node.hide = True
-    along = graph.mix(in_eevee, along, _surface_direction(graph, columns, along_uv))
+    least_in_world = _in_world(graph, least)
+    of_map = graph.vector("ADD", _surface_direction(graph, columns, along_uv), least_in_world)
     as_normal = _surface_direction(graph, columns, given["Tangent"])
     own = graph.mix(given["TangentIsDirection"], as_normal, given["Tangent"])
-    t = graph.mix(is_given, along, own)
-    # Without a UV map: along the object's x, or z where that stands upright.
-    t = graph.vector("ADD", t, _in_world(graph, (1e-5, 0.0, 1e-9)))
-    t = graph.vector("SUBTRACT", t, graph.scaled(n, graph.scalar("DOT_PRODUCT", t, n)))
-    t = graph.vector("NORMALIZE", t)
-    across = graph.vector("CROSS_PRODUCT", n, t)
+    own = graph.vector("ADD", own, least_in_world)
+    t = graph.mix(is_given, graph.mix(in_eevee, along, of_map), own)
+    across = graph.vector("NORMALIZE", graph.vector("CROSS_PRODUCT", n, t))
+    t = graph.vector("CROSS_PRODUCT", across, n)
 
     handedness = graph.choose(is_given, sign, given["Handedness"])
     determinant = graph.scalar("DOT_PRODUCT", graph.vector("CROSS_PRODUCT", *columns[:2]), columns[2])
@@ -262,10 +265,12 @@ class Surface:
         names = {item.name for item in tree.interface.items_tree if item.in_out == "INPUT"}
         return self.graph.group(tree, **{each: self[each] for each in SHARED if each in names}, **values)
 
-    def value(self, radius: tuple[Socket, Socket], turn: Socket, w: Socket, half: Socket) -> tuple[Socket, Socket]:
+    def value(
+        self, radius: tuple[Socket, Socket], turn: Socket, w: Socket, half: Socket, **random: Socket
+    ) -> tuple[Socket, Socket]:  # fmt: skip
         """`value.value` for a direction: RGB and its factor; `radius` is |(u, v)| and its square."""
         places = dict(zip(("Radius", "Square"), radius, strict=True))
-        found = self.group(self.parts.value, Turn=turn, W=w, Half=half, **places).outputs
+        found = self.group(self.parts.value, Turn=turn, W=w, Half=half, **places, **random).outputs
         return found["Value"], found["Factor"]
 
     def f_cos(self, h: Socket) -> tuple[Socket, Socket, Socket, Value]:
@@ -276,13 +281,18 @@ class Surface:
         """
         graph = self.graph
         x, y, w = (graph.scalar("DOT_PRODUCT", self[axis], h) for axis in "TBN")
-        gain = graph.product(graph.math("GREATER_THAN", w, self["CosR"]), self["Gain"])
+        gain = graph.product(self.is_above(h), self["Gain"])
         cos_i = graph.difference(w, self["CosR"])
         w, gain = self.behind_face(w, cos_i, gain)
         square = graph.fused(x, x, graph.product(y, y))
         rgb, factor = self.value((graph.math("SQRT", square), square), graph.math("ARCTAN2", y, x), w, h)
         gain = graph.product(gain, factor)
         return rgb, gain, *self.with_albedo(gain, x, y, cos_i)
+
+    def is_above(self, h: Socket) -> Socket:
+        """1 where the light lies above the surface, by the sum h of the directions to light and viewer."""
+        w = self.graph.scalar("DOT_PRODUCT", self["N"], h)
+        return self.graph.math("GREATER_THAN", w, self["CosR"])
 
     def with_albedo(self, gain: Socket, x: Socket, y: Socket, cos_i: Socket) -> tuple[Socket, Value]:
         """A factor with the larger of the light's albedo and the viewer's where that passes 1, and whether it may.

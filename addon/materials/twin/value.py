@@ -26,20 +26,24 @@ def value(
 
     With h = wi + wr = -(u, v, w) it is ``(1 + wi.wr)^2 / (cos_r w^2) T R``, ``1 + wi.wr = |h|^2 / 2`` and the cosine of
     the half-angle is ``|h| / 2``. Inputs: |(u, v)| and its square, the angle of (-u, -v), |w|; h, of any length; s, s^2
-    and q; rows of the matrix to the working space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE.
+    and q; rows of the matrix to the working space; IOR or R0 of a dielectric, or n and k; 1 in EEVEE; a random number
+    where the table's group has one.
     """
-    tree = new_group(f"Diffraction value {name} {fresnel.lower()}")
+    at_random = "Xi" in table.interface.items_tree
+    tree = new_group(f"Diffraction value {name} {fresnel.lower()}{' at random' if at_random else ''}")
     sockets: dict[str, tuple[str, object]] = {
         each: (_FLOAT, None) for each in ("Radius", "Square", "Turn", "W", "Scale", "Scale2", "Depth", "IsScaled")
     }
     sockets |= {each: (_VECTOR, None) for each in ("Red", "Green", "Blue", "Half")}
     sockets |= {each: (_VECTOR if fresnel == "CONDUCTOR" else _FLOAT, None) for each in INDICES[fresnel]}
+    sockets |= {"Xi": (_FLOAT, None)} if at_random else {}
     interface(tree, sockets | {"EEVEE": (_FLOAT, 0.0)}, {"Value": _VECTOR, "Factor": _FLOAT})
     graph = Graph(tree)
     given = graph.add("NodeGroupInput").outputs
     square, w = given["Square"], given["W"]
     places = {"Radius": graph.product(given["Radius"], given["Scale"])}
     places |= {"Square": graph.product(square, given["Scale2"]), "W": graph.product(w, given["Depth"])}
+    places |= {"Xi": given["Xi"]} if at_random else {}
     found = graph.group(table, Turn=given["Turn"], EEVEE=given["EEVEE"], **places).outputs
     xyz = found["Value"]
     if kept is not None and layout.index == 1.0:
@@ -85,11 +89,11 @@ def _corrected(graph: Graph, kept: bpy.types.NodeTree, given: Any, xyz: Socket) 
 def _into_gamut(graph: Graph, xyz: Socket, rows: list[Socket]) -> Socket:
     """As ``into_gamut`` in ``shaders/brdf.osl``: towards the grey of its luminance until no component is negative."""
     rgb = [graph.scalar("DOT_PRODUCT", row, xyz) for row in rows]
-    luminance = graph.scalar("DOT_PRODUCT", xyz, (0.0, 1.0, 0.0))
+    luminance = graph.split(xyz)[1]
     below = graph.math("MINIMUM", graph.math("MINIMUM", graph.math("MINIMUM", rgb[0], rgb[1]), rgb[2]), 0.0)
-    keep = graph.quotient(luminance, graph.difference(luminance, below))  # 1 inside the gamut
-    moved = graph.mix(keep, luminance, graph.join(*rgb))
-    return graph.vector("MAXIMUM", moved, (0.0, 0.0, 0.0))
+    # 1 inside the gamut; outside a millionth less than would do, so that no rounding leaves a component below 0.
+    keep = graph.quotient(luminance, graph.fused(below, -1.000001, luminance))
+    return graph.mix(keep, luminance, graph.join(*rgb))
 
 
 def schlick(graph: Graph, r0: Value, rest: Socket) -> Socket:
