@@ -122,15 +122,18 @@ def _lamps(
     f_cos = graph.product(lamps.grey_of(graph, drawn["RGB"]), drawn["Finished"])
     f_cos = graph.quotient(f_cos, drawn["Solid"])
     listed = [lamp_nodes.lamp(graph, slot).outputs for slot in range(1, slots.SLOTS + 1)]
-    lobes, taken = _aimed(surface, listed, random, directions)
+    lobes, taken = _aimed(surface, listed, random, directions, enabled)
+    sent = graph.product(lamps.grey_of(graph, drawn["RGB"]), drawn["Weight"])
     chance = graph.product(graph.split(random)[2], lamps.WEIGHT_MIN)
     for slot, (lamp, one) in enumerate(zip(listed, lobes, strict=True), 1):
-        given = {name: one[name] for name in ("To", "Aim", "Width", "Weight", "Narrow", "On")}
-        lit = surface.group(lobe, **given, Hits=taken[f"Hits {slot}"], Chance=chance).outputs
+        given = {name: one[name] for name in ("To", "Aim", "Width", "Weight", "Narrow", "On", *aimed.SLENDER)}
+        lit = surface.group(lobe, **given, Hits=taken[f"Hits {slot}"], Chance=chance, Sent=sent).outputs
+        # A lobe about a part of a lamp leaves all beside the lamp.
+        of_lobe = graph.product(lit["Grey"], one["Gain"], graph.difference(1.0, lit["Slender"]))
         closure = lit["Lobe"] if closure is None else surface.both(closure, lit["Lobe"])
         for number, name in enumerate(("", " Again")[: len(drawn_grey)]):
             places = one[f"Outside{name}"], one[f"Around{name}"]
-            part = environment.left(graph, *places, graph.product(lit["Grey"], one["Gain"]), drawn_grey[number])
+            part = environment.left(graph, *places, of_lobe, drawn_grey[number])
             outside[number] = graph.product(outside[number], part)
         far = graph.product(far, one["Outside"])
         if slot <= lamps.EEVEE_LAMPS_MAX:
@@ -154,7 +157,7 @@ def _lamps(
 
 
 def _aimed(
-    surface: Surface, listed: list[Any], random: Socket, directions: tuple[Any, Any]
+    surface: Surface, listed: list[Any], random: Socket, directions: tuple[Any, Any], enabled: Socket
 ) -> tuple[list[Any], Any]:  # fmt: skip
     """Outputs of `aimed.aimed` for each slot, and those of `seen.hits`."""
     graph, position, place, lobe = surface.graph, surface["Position"], seen.place(), aimed.aimed()
@@ -165,7 +168,7 @@ def _aimed(
     gaps = graph.group(seen.gaps(), **named, **edges).outputs
     lobes = []
     for slot, one in enumerate(each, 1):
-        more: dict[str, Any] = {"Random": random, "Step": aimed.step(slot)}
+        more: dict[str, Any] = {"Random": random, "Step": aimed.step(slot), "Sky": enabled}
         more |= {name: one["To"] for name, one in zip(("Drawn", "Drawn Again"), directions, strict=True) if one}
         lobes.append(graph.group(lobe, **one, **more, Cone=surface["Cone"], Gap=gaps[f"Gap {slot}"]).outputs)
     for slot, aim in enumerate(lobes, 1):

@@ -25,19 +25,24 @@ SMALL_SUN = 0.03
 #: As in ``shaders/diffraction.osl``: least radius of a whole lobe among others, limits of narrow ones.
 CONE_MIN, NARROW_MIN, NARROW_MAX = 0.03, 0.005, 0.012
 
+#: As in ``shaders/lamps.osl``: of lobes about a part of a thin lamp, in parts of its radius; the least radius.
+SLENDER_PART, SLENDER_MOST, SLENDER_LEAST = 0.2, 0.6, 0.1
+
 #: Steps of a lattice that fills the cube evenly (Roberts 2018, R3), as in ``shaders/diffraction.osl``.
 _LATTICE = (0.8191725134, 0.6710436067, 0.5497004779)
 
 #: Inputs of the group beside a lamp's, and outputs.
 _INPUTS = {
     "Position": _VECTOR, "Cone": _FLOAT, "Random": _VECTOR, "Step": _VECTOR, "Gap": _FLOAT,
-    "Drawn": _VECTOR, "Drawn Again": _VECTOR,
+    "Drawn": _VECTOR, "Drawn Again": _VECTOR, "Sky": _FLOAT,
 }  # fmt: skip
+#: Outputs for a lobe about a part of a thin lamp, see `_slender`.
+SLENDER = {"Slender": _FLOAT, "SlenderAim": _VECTOR, "SlenderWidth": _FLOAT, "SlenderWeight": _FLOAT}
 OUTPUTS = {
     "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Gain": _FLOAT, "Cosine": _FLOAT,
     "Narrow": _FLOAT,
     "On": _FLOAT, "Outside": _FLOAT, "Outside Again": _FLOAT, "Around": _FLOAT, "Around Again": _FLOAT,
-}  # fmt: skip
+} | SLENDER  # fmt: skip
 
 
 def step(slot: int) -> tuple[float, float, float]:
@@ -52,7 +57,8 @@ def aimed() -> bpy.types.NodeTree:
     Direction to a random point, direction and half-angle of the lobe, what f cos is to be multiplied by, which part of
     it evens out the solid angle of points, cosine of a whole lobe (2 where there is none), whether it is a narrow one,
     whether there is a lamp, and 1 where the direction ``Drawn`` from the environment is not left to it, or where it
-    lies in a whole lobe's cone beside the lamp; the same of another one, ``Drawn Again``.
+    lies in a whole lobe's cone beside the lamp; the same of another one, ``Drawn Again``. What `_slender` gives counts
+    where ``Sky`` is 1, that is, where there are mirrors into the environment.
     """
     tree = new_group("Diffraction lobe of a lamp")
     interface(tree, {name: (kind, None) for name, kind in (lamp_nodes.OUTPUTS | _INPUTS).items()}, OUTPUTS)
@@ -106,6 +112,8 @@ def aimed() -> bpy.types.NodeTree:
         around = graph.product(has_whole, graph.choose(lamp.is_area, off_ball, off_area))
         return graph.difference(beside_whole, within), around
 
+    slender = _slender(graph, lamp, to, omega)
+    slender["Slender"] = graph.product(slender["Slender"], has_whole, given["Sky"])
     outside_drawn, outside_again = outside(given["Drawn"]), outside(given["Drawn Again"])
     outputs: dict[str, Value] = {
         "To": to, "Aim": aim, "Width": graph.choose(is_narrow, cone, width),
@@ -113,11 +121,53 @@ def aimed() -> bpy.types.NodeTree:
         "Gain": gain, "Narrow": is_narrow, "On": lamp.is_on,
         "Outside": outside_drawn[0], "Outside Again": outside_again[0],
         "Around": outside_drawn[1], "Around Again": outside_again[1],
-    }  # fmt: skip
+    } | slender  # fmt: skip
     out = graph.add("NodeGroupOutput")
     for name, socket in outputs.items():
         graph.put(out.inputs[name], socket)
     return tree
+
+
+def _slender(graph: Graph, lamp: Seen, to: Socket, omega: Socket) -> dict[str, Value]:
+    """Whether a lamp is thin, and the lobe about a part of it: ``lamp_slender`` of ``shaders/lamps.osl``.
+
+    A cone that holds a thin lamp holds far more of what surrounds it. Such a lobe stands about the middle of the lamp,
+    next to the random direction `to`, clear of the ends; its weight is the lamp's solid angle over the part of the lobe
+    that the lamp fills, a band through its middle.
+    """
+    length2 = [graph.scalar("DOT_PRODUCT", each, each) for each in (lamp.u, lamp.v)]
+    is_v = graph.math("LESS_THAN", *length2)  # constants to Cycles, as all that follows for other lamps
+    is_u = graph.difference(1.0, is_v)
+    along = graph.vector("ADD", graph.scaled(lamp.u, is_u), graph.scaled(lamp.v, is_v))
+    across = graph.vector("ADD", graph.scaled(lamp.u, is_v), graph.scaled(lamp.v, is_u))
+    twice = graph.quotient(graph.product(graph.scalar("LENGTH", across), 2.0), lamp.distance)
+    width = graph.math("MAXIMUM", twice, graph.product(lamp.radius, SLENDER_PART))
+    is_thin = graph.math("LESS_THAN", width, graph.product(lamp.radius, SLENDER_MOST))
+    is_thin = graph.product(lamp.is_area, is_thin, graph.math("GREATER_THAN", lamp.radius, SLENDER_LEAST))
+
+    normal = graph.vector("CROSS_PRODUCT", lamp.u, lamp.v)
+    away = graph.quotient(graph.scalar("DOT_PRODUCT", lamp.offset, normal), graph.scalar("DOT_PRODUCT", to, normal))
+    point = graph.scaled(to, away)
+    edge = graph.vector("CROSS_PRODUCT", point, along)
+    reach, square = graph.scalar("LENGTH", edge), graph.scalar("DOT_PRODUCT", point, point)
+    at = graph.scalar("DOT_PRODUCT", graph.vector("SUBTRACT", point, lamp.offset), along)
+    at = graph.quotient(at, graph.scalar("DOT_PRODUCT", along, along))
+    room = graph.difference(1.0, graph.quotient(graph.product(width, square), reach))
+    room = graph.math("MAXIMUM", room, 0.0)
+    at = graph.math("MAXIMUM", graph.math("MINIMUM", at, room), graph.product(room, -1.0))
+    aim = graph.vector("MULTIPLY_ADD", along, graph.for_cycles(graph.product(at, 0.01)), lamp.offset)
+
+    half = graph.math("ABSOLUTE", graph.scalar("DOT_PRODUCT", across, edge))
+    half = graph.quotient(half, graph.product(reach, graph.math("SQRT", square)))
+    of_ellipse = graph.math("SQRT", graph.difference(1.0, graph.product(at, at)))
+    half = graph.product(half, graph.choose(lamp.is_rectangle, of_ellipse, 1.0))
+    half = graph.clamp(graph.quotient(half, width), 1e-4, 1.0)
+    rest = graph.math("SQRT", graph.difference(1.0, graph.product(half, half)))
+    filled = graph.product(graph.fused(half, rest, graph.math("ARCSINE", half)), 2.0 / math.pi)
+    return {
+        "Slender": is_thin, "SlenderAim": graph.vector("NORMALIZE", aim), "SlenderWidth": width,
+        "SlenderWeight": graph.quotient(omega, filled),
+    }  # fmt: skip
 
 
 def _not_in_eevee(graph: Graph, vector: Socket) -> Socket:

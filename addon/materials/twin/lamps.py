@@ -9,6 +9,7 @@ import bpy
 
 from ..node import lamp_nodes
 from ..node_graph import Graph, Socket, Value
+from . import aimed
 from .aimed import holds
 from .seen import seen
 from .surface import Parts, Surface
@@ -17,6 +18,9 @@ _FLOAT, _VECTOR, _SHADER = "NodeSocketFloat", "NodeSocketVector", "NodeSocketSha
 
 #: As in ``shaders/diffraction.osl``: Cycles drops closures whose weights have a mean below 1e-5.
 WEIGHT_MIN = 1.1e-5
+
+#: As in ``shaders/diffraction.osl``: the part of what the surface sends that a thin lamp's whole lobe may show of it.
+SLENDER_COUNTS = 0.05
 
 #: Slots that EEVEE reads: there each costs whether a lamp is in it or not.
 EEVEE_LAMPS_MAX = 4
@@ -53,17 +57,26 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     """
     inputs = {
         "To": _VECTOR, "Aim": _VECTOR, "Width": _FLOAT, "Weight": _FLOAT, "Narrow": _FLOAT, "On": _FLOAT,
-        "Hits": _FLOAT, "Chance": _FLOAT,
-    }  # fmt: skip
-    surface, given, output = Surface.inside("Lamp", parts, inputs, {"Lobe": _SHADER, "Grey": _FLOAT})
+        "Hits": _FLOAT, "Chance": _FLOAT, "Sent": _FLOAT,
+    } | aimed.SLENDER  # fmt: skip
+    outputs = {"Lobe": _SHADER, "Grey": _FLOAT, "Slender": _FLOAT}
+    surface, given, output = Surface.inside("Lamp", parts, inputs, outputs)
     graph = surface.graph
     h = graph.vector("ADD", given["To"], surface["Viewer"])
     rgb, plain, finished, is_more = surface.f_cos(h)
     # What stands in a whole lobe's cone is that lobe's; whole lobes that hold each other's lamps share.
     taken = graph.fused(given["Hits"], graph.fused(given["Narrow"], 1e8, 1.0), 1.0)
     weight = graph.quotient(given["Weight"], taken)
-    size = graph.product(given["Width"], 2.0 / math.pi)
-    normal = graph.vector("ADD", given["Aim"], surface["Viewer"])  # Cycles normalises it
+    grey = grey_of(graph, rgb)
+    # A lobe that holds a thin lamp would show too much of what surrounds it, as in ``shaders/diffraction.osl``.
+    shows = graph.math("GREATER_THAN", graph.product(grey, plain, weight), graph.product(given["Sent"], SLENDER_COUNTS))
+    shows = graph.product(shows, graph.math("LESS_THAN", given["Hits"], 0.5), 0.01)
+    is_slender = graph.product(given["Slender"], graph.for_cycles(shows))
+    weight = graph.choose(is_slender, weight, given["SlenderWeight"])
+    width = graph.choose(is_slender, given["Width"], given["SlenderWidth"])
+    size = graph.product(width, 2.0 / math.pi)
+    aim = graph.mix(is_slender, given["Aim"], given["SlenderAim"])
+    normal = graph.vector("ADD", aim, surface["Viewer"])  # Cycles normalises it
 
     def lobe(hundredth: Socket) -> Socket:
         node = graph.add("ShaderNodeBsdfToon", component="GLOSSY")
@@ -74,8 +87,8 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
         graph.put(node.inputs["Normal"], normal)
         return node.outputs[0]
 
-    grey = grey_of(graph, rgb)
     graph.put(output.inputs["Grey"], graph.product(grey, plain))
+    graph.put(output.inputs["Slender"], is_slender)
     plain = graph.product(plain, weight)
 
     def is_dim(gain: Socket) -> Socket:

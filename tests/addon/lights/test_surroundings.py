@@ -66,12 +66,12 @@ def truth(table, turn, sky):
 
 
 @BOTH
-@pytest.mark.parametrize(("turn", "most"), [(0.0, 1.22), (0.12, 1.17), (0.35, 1.03)])
+@pytest.mark.parametrize(("turn", "most"), [(0.0, 1.05), (0.12, 1.06), (0.35, 1.03)])
 def test_sky_beside_a_long_lamp_stays(blender, tmp_path, implementation, turn, most):
     """In the cone that holds a long tube all but the tube was missing from the mirror: a dark region with sharp rims.
 
-    Three tenths of a radian beside the tube's image 0.41 of the light was left. In the image and on its flanks the lobe
-    adds sky by f cos towards the tube, from all of its cone: that is the excess allowed for there.
+    Three tenths of a radian beside the tube's image 0.41 of the light was left. In the image itself, and on its flanks,
+    the lobe added sky from all of its cone by f cos towards the tube: 1.2 times the light in OSL, 1.4 in Nodes.
     """
     table = tables.make_table(tmp_path / "t.exr", shiny)
     plane = scenes.add_plane(half=0.02)
