@@ -19,8 +19,9 @@ _FLOAT, _VECTOR, _SHADER = "NodeSocketFloat", "NodeSocketVector", "NodeSocketSha
 #: As in ``shaders/diffraction.osl``: Cycles drops closures whose weights have a mean below 1e-5.
 WEIGHT_MIN = 1.1e-5
 
-#: As in ``shaders/diffraction.osl``: the part of what the surface sends that a thin lamp's whole lobe may show of it.
-SLENDER_COUNTS = 0.05
+#: As in ``shaders/diffraction.osl``: the part of what the surface sends that a thin lamp's whole lobe may show of it,
+#: and how many times the mean of f cos it may have.
+SLENDER_COUNTS, SLENDER_ABOVE = 0.05, 2.0
 
 #: Slots that EEVEE reads: there each costs whether a lamp is in it or not.
 EEVEE_LAMPS_MAX = 4
@@ -69,8 +70,10 @@ def in_cycles(parts: Parts) -> bpy.types.NodeTree:
     weight = graph.quotient(given["Weight"], taken)
     grey = grey_of(graph, rgb)
     # A lobe that holds a thin lamp would show too much of what surrounds it, as in ``shaders/diffraction.osl``.
-    shows = graph.math("GREATER_THAN", graph.product(grey, plain, weight), graph.product(given["Sent"], SLENDER_COUNTS))
-    shows = graph.product(shows, graph.math("LESS_THAN", given["Hits"], 0.5), 0.01)
+    here = graph.product(grey, plain)
+    shows = graph.math("GREATER_THAN", graph.product(here, weight), graph.product(given["Sent"], SLENDER_COUNTS))
+    peaks = graph.math("GREATER_THAN", here, graph.product(given["Sent"], SLENDER_ABOVE / math.pi))
+    shows = graph.product(shows, peaks, graph.math("LESS_THAN", given["Hits"], 0.5), 0.01)
     is_slender = graph.product(given["Slender"], graph.for_cycles(shows))
     weight = graph.choose(is_slender, weight, given["SlenderWeight"])
     width = graph.choose(is_slender, given["Width"], given["SlenderWidth"])
