@@ -10,6 +10,7 @@ from tests.support.blender import materials, scenes, tables, worlds
 from tests.support.blender.lamps import add_lamp
 from tests.truth import lamps as truth
 from tests.truth import radiance
+from tests.truth.hemisphere import hemisphere
 
 BOTH = pytest.mark.parametrize("implementation", ["OSL", "NODES"])
 
@@ -62,10 +63,8 @@ def test_near_lamp(blender, tmp_path, implementation, name, sky):
     bpy.context.scene.cycles.max_bounces = 1
     found = scenes.render(24, 196).mean((0, 1))
     by_lamp = (f_cos(table, directions) * irradiance[:, None]).sum(0)
-    u, phi = np.meshgrid(*((np.arange(800) + 0.5) / 800,) * 2)
-    sine, phi = np.sqrt(u), 2 * np.pi * phi  # even in the projected solid angle
-    wi = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1.0 - u)], -1)
-    by_sky = np.pi * (f_cos(table, wi) / wi[..., 2:]).mean((0, 1))
+    wi, solid = hemisphere(800)
+    by_sky = (f_cos(table, wi) * solid[..., None]).sum((0, 1))
     expected = by_lamp + sky * by_sky
     # Lamps hide nothing behind them. The cone that holds a lamp has corners, which meet sky.
     assert np.all(found > 0.985 * expected)

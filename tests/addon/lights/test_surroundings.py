@@ -9,6 +9,7 @@ from mathutils import Matrix
 from precompute.evaluate.surface import brdf
 from precompute.light.colour import xyz_to_rgb_matrix
 from tests.support.blender import materials, scenes, tables, worlds
+from tests.truth.hemisphere import hemisphere
 
 BOTH = pytest.mark.parametrize("implementation", ["OSL", "NODES"])
 
@@ -58,10 +59,8 @@ def truth(table, turn, sky):
     far = np.linalg.norm(points, axis=-1, keepdims=True)
     solid = DISTANCE * THICK * LONG / x.size / far**3
     by_tube = (f_cos(points / far) * solid).sum((0, 1))
-    u, phi = np.meshgrid((np.arange(1500) + 0.5) / 1500, (np.arange(1500) + 0.5) / 1500 * 2 * np.pi)
-    sine = np.sqrt(u)  # even in the projected solid angle
-    wi = np.stack([sine * np.cos(phi), sine * np.sin(phi), np.sqrt(1.0 - u)], -1)
-    by_sky = np.pi * brdf(table, wi, VIEW).mean((0, 1))
+    wi, solid = hemisphere(1500)
+    by_sky = (f_cos(wi) * solid[..., None]).sum((0, 1))
     return to_rgb @ (sky * by_sky + RADIANCE * by_tube)
 
 

@@ -172,12 +172,12 @@ def test_a_lamp_in_a_world_counts_once_on_a_stretched_surface(blender, foil, imp
             white_world()
         plane = scenes.add_plane(half=1.0)
         if name != "world":
-            add_lamp("AREA", (0.5, 0.9, 2.0), energy=1500.0, shape="DISK", size=0.9)
+            add_lamp("AREA", (0.5, 0.9, 2.0), energy=4500.0, shape="DISK", size=0.9)
         scenes.add_camera((0.1, 0.2, 1.0), extent=0.2)
         made = materials.diffracting(plane, path, implementation, fresnel="NONE")
         node_of(made).inputs["Scale"].default_value = 0.7
         found[name] = scenes.render(16, 144).mean((0, 1))
-    assert found["lamp"].max() > 0.1
+    assert found["lamp"].min() > 0.1
     assert found["both"] == pytest.approx(found["lamp"] + found["world"], rel=0.02)
 
 
